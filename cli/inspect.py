@@ -1,0 +1,140 @@
+"""`hitjoints inspect`: everything about hitting with one joint in one configuration."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .options import (
+    DIRECTION,
+    MASS,
+    ROBOT,
+    DirectionOption,
+    JsonOption,
+    MassOption,
+    RobotOption,
+    numbers,
+)
+from .render import complain, print_json, print_table
+
+if TYPE_CHECKING:
+    from hitjoints.robot import Contact, Robot
+
+
+def inspect(
+    robot: RobotOption = ROBOT,
+    joint: Annotated[
+        int | None, typer.Option("--joint", help="Hitting joint, from 1. [default: last but one]")
+    ] = None,
+    offset: Annotated[
+        str, typer.Option(metavar="X,Y,Z", help="Contact point in the joint's frame (m).")
+    ] = "0,0,0",
+    q: Annotated[
+        str | None, typer.Option("--q", metavar="Q1,Q2,...", help="Joint positions. [default: home]")
+    ] = None,
+    direction: DirectionOption = DIRECTION,
+    mass: MassOption = MASS,
+    as_json: JsonOption = False,
+) -> None:
+    """Show position, inertia, gradient, speed and flux at one configuration."""
+    from hitjoints.errors import InfeasibleError, InputError
+    from hitjoints.loading import load_robot
+    from hitjoints.robot import Contact
+
+    if not mass > 0:
+        raise InputError("mass", mass, "an object weighs more than 0 kg")
+    arm = load_robot(robot)
+    chosen = arm.hitting_joints[-2:][0] if joint is None else joint
+    contact = arm.contact(Contact(chosen, _triple(offset)))
+    configuration = arm.within_limits(arm.home if q is None else numbers(q))
+    try:
+        result = _quantities(arm, configuration, contact, numbers(direction), mass)
+        reason = None
+    except InfeasibleError as error:
+        result, reason = error.data, error.reason
+    if as_json:
+        print_json(result | {"feasible": reason is None, "reason": reason})
+    else:
+        _print(arm, contact, result)
+    if reason is not None:
+        complain("no", reason)
+        raise typer.Exit(3)
+
+
+def _triple(offset: str) -> tuple[float, float, float]:
+    from hitjoints.errors import InputError
+
+    values = numbers(offset)
+    if len(values) != 3:
+        raise InputError("offset", offset, "three numbers x,y,z in metres")
+    return values[0], values[1], values[2]
+
+
+def _quantities(
+    robot: Robot, q: Any, contact: Contact, direction: list[float], mass: float
+) -> dict[str, Any]:
+    """Compute what is shown.
+
+    Raises:
+        InfeasibleError: the contact cannot move along the direction; `data` holds the rest.
+    """
+    import hitjoints as hj
+    from hitjoints.vectors import unit
+
+    h = unit(direction)
+    directions = hj.feasible_directions(robot, q, contact)
+    speeds = [hj.hitting_speed(robot, q, contact, h, straight=s) for s in (False, True)]
+    result: dict[str, Any] = {
+        "robot": robot.name,
+        "joint": contact.joint,
+        "offset": contact.offset,
+        "q": q,
+        "direction": h,
+        "mass": mass,
+        "position": hj.position(robot, q, contact),
+        "rank": directions.rank,
+        "feasible_directions": {
+            "description": directions.description,
+            "basis": directions.basis.T,
+            "speed": directions.speed,
+        },
+        "manipulability": hj.manipulability(robot, q, contact),
+        "inverse_inertia": hj.inverse_inertia(robot, q, contact),
+        "speed": speeds[0],
+        "straight_speed": speeds[1],
+    }
+    try:
+        inertia = hj.directional_inertia(robot, q, contact, h)
+    except hj.InfeasibleError as error:
+        missing = dict.fromkeys(("inertia", "gradient"))
+        still = dict.fromkeys(("speed", "straight_speed", "flux", "straight_flux"), 0.0)
+        raise hj.InfeasibleError(error.reason, result | missing | still) from None
+    result["inertia"] = inertia
+    result["gradient"] = hj.directional_inertia_gradient(robot, q, contact, h)
+    result["flux"] = hj.hitting_flux(inertia, mass, speeds[0])
+    result["straight_flux"] = hj.hitting_flux(inertia, mass, speeds[1])
+    return result
+
+
+def _print(robot: Robot, contact: Contact, result: dict[str, Any]) -> None:
+    directions = result["feasible_directions"]
+    where = f", offset ({', '.join(f'{v:g}' for v in contact.offset)}) m"
+    rows = [
+        ("configuration q", result["q"], "rad"),
+        ("position", result["position"], "m"),
+        ("feasible directions", f"{directions['description']} (rank {result['rank']})", ""),
+        ("manipulability", result["manipulability"], "m^3/rad^3"),
+        ("inertia", result["inertia"], "kg"),
+        ("gradient", result["gradient"], "kg/rad"),
+        ("speed", result["speed"], "m/s"),
+        ("straight speed", result["straight_speed"], "m/s"),
+        (f"flux, {result['mass']:g} kg object", result["flux"], "m/s"),
+        ("straight flux", result["straight_flux"], "m/s"),
+    ]
+    title = (
+        f"{robot.title}: hit with joint {contact.joint}"
+        f"{where if any(contact.offset) else ''} "
+        f"along ({', '.join(f'{v:g}' for v in result['direction'])})"
+    )
+    print_table(title, ("quantity", "value", "unit"), rows)

@@ -1,0 +1,42 @@
+"""The options that several commands share, and how their values are read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+ROBOT = "iiwa14"
+OBJECT = "0.5,0.3,0.5"
+DIRECTION = "0,1,0"
+MASS = 2.0
+
+
+def numbers(text: str) -> list[float]:
+    """Read "x,y,z"."""
+    try:
+        return [float(word) for word in text.split(",")]
+    except ValueError:
+        raise typer.BadParameter(f"{text!r} is not a list of numbers like 0.5,0.3,0.5") from None
+
+
+RobotOption = Annotated[
+    str, typer.Option("--robot", metavar="NAME|FILE", help="Built-in name, or a URDF or TOML file.")
+]
+DirectionOption = Annotated[
+    str, typer.Option("--direction", metavar="X,Y,Z", help="Hitting direction, robot base frame.")
+]
+MassOption = Annotated[float, typer.Option("--mass", metavar="KG", help="Mass of the object.")]
+ObjectOption = Annotated[
+    str, typer.Option("--object", metavar="X,Y,Z", help="Position of the object (m).")
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")]
+OutOption = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="FILE", help="Write the data set: .zarr, .nc or .csv."),
+]
+PlotOption = Annotated[
+    Path | None, typer.Option("--plot", metavar="FILE", help="Draw the figure: .png, .pdf or .svg.")
+]
+SeedOption = Annotated[int, typer.Option("--seed", help="Seed of everything random.")]

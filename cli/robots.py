@@ -1,0 +1,79 @@
+"""`hitjoints robots`: which arms there are, and whether a description can be trusted."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Annotated
+
+import typer
+
+from .options import ROBOT, JsonOption
+from .render import complain, print_json, print_table
+
+app = typer.Typer(help="List the robots, or check one.", no_args_is_help=False)
+
+
+@app.callback(invoke_without_command=True)
+def root(context: typer.Context) -> None:
+    """List the robots, or check one."""
+    if context.invoked_subcommand is None:
+        list_robots(as_json=False)
+
+
+@app.command("list")
+def list_robots(as_json: JsonOption = False) -> None:
+    """List the built-in robots."""
+    from hitjoints.loading import load_robot, robot_names
+
+    rows = []
+    for name in robot_names():
+        robot = load_robot(name)
+        rows.append(
+            {
+                "name": name,
+                "title": robot.title,
+                "joints": robot.n,
+                "hitting_joints": robot.hitting_joints,
+                "home": robot.home,
+                "licence": robot.licence,
+                "source": robot.source,
+            }
+        )
+    if as_json:
+        print_json({"robots": rows})
+        return
+    columns = ("name", "title", "joints", "hitting_joints", "licence")
+    print_table(
+        "Robots that come with hitjoints",
+        [column.replace("_", " ") for column in columns],
+        [[row[column] for column in columns] for row in rows],
+        caption="--robot also takes a URDF or TOML file, or a name from example-robot-data",
+    )
+
+
+@app.command("check")
+def check(
+    robot: Annotated[str, typer.Argument(metavar="NAME|FILE", help="The robot.")] = ROBOT,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Leave with exit code 3 when there is an error.")
+    ] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Check the inertias and limits of a robot description, and say what a fault does."""
+    from hitjoints.loading import build_robot, describe
+    from hitjoints.modelcheck import check_description
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        description = describe(robot)
+        issues = check_description(description, build_robot(description))
+    rows = [issue.as_dict() for issue in issues]
+    if as_json:
+        print_json({"robot": description.name, "issues": rows})
+    elif rows:
+        print_table(f"{description.name}", list(rows[0]), [list(row.values()) for row in rows])
+    else:
+        print(f"{description.name}: no issues")
+    if strict and any(issue.severity == "error" for issue in issues):
+        complain("no", f"{description.name} has inertias that cannot be trusted")
+        raise typer.Exit(3)

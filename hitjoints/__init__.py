@@ -1,0 +1,94 @@
+"""Analytical dynamics for hitting objects with different joints of a robot arm."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from hitjoints.version import __version__
+
+if TYPE_CHECKING:
+    from hitjoints.dynamics.impact import hitting_flux, object_speed, rebound, required_speed
+    from hitjoints.dynamics.inertia import inverse_inertia
+    from hitjoints.dynamics.kinematics import (
+        FeasibleDirections,
+        feasible_directions,
+        jacobian,
+        manipulability,
+        position,
+    )
+    from hitjoints.errors import HitjointsError, InfeasibleError, InputError, ModelError, SolverError
+    from hitjoints.loading import ModelWarning, load_robot, robot_names
+    from hitjoints.maps.joint_sweep import sweep_joint
+    from hitjoints.quantities import (
+        directional_inertia,
+        directional_inertia_gradient,
+        hitting_speed,
+        place_joint,
+    )
+    from hitjoints.robot import Contact, Robot
+
+# Where each public name lives. Loaded on first use: `import hitjoints` costs milliseconds.
+_HOMES = {
+    "dynamics.impact": ("hitting_flux", "object_speed", "rebound", "required_speed"),
+    "dynamics.inertia": ("inverse_inertia",),
+    "dynamics.kinematics": (
+        "FeasibleDirections",
+        "feasible_directions",
+        "jacobian",
+        "manipulability",
+        "position",
+    ),
+    "errors": ("HitjointsError", "InfeasibleError", "InputError", "ModelError", "SolverError"),
+    "loading": ("ModelWarning", "load_robot", "robot_names"),
+    "maps.joint_sweep": ("sweep_joint",),
+    "quantities": (
+        "directional_inertia",
+        "directional_inertia_gradient",
+        "hitting_speed",
+        "place_joint",
+    ),
+    "robot": ("Contact", "Robot"),
+}
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+
+__all__ = [
+    "Contact",
+    "FeasibleDirections",
+    "HitjointsError",
+    "InfeasibleError",
+    "InputError",
+    "ModelError",
+    "ModelWarning",
+    "Robot",
+    "SolverError",
+    "__version__",
+    "directional_inertia",
+    "directional_inertia_gradient",
+    "feasible_directions",
+    "hitting_flux",
+    "hitting_speed",
+    "inverse_inertia",
+    "jacobian",
+    "load_robot",
+    "manipulability",
+    "object_speed",
+    "place_joint",
+    "position",
+    "rebound",
+    "required_speed",
+    "robot_names",
+    "sweep_joint",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME_OF:
+        raise AttributeError(f"module 'hitjoints' has no attribute {name!r}")
+    value = getattr(import_module(f"hitjoints.{_HOME_OF[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__

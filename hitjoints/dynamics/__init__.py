@@ -1,0 +1,1 @@
+"""Quantities of an arm at one configuration, computed by Pinocchio."""

@@ -1,0 +1,107 @@
+"""Inertia felt at a contact point along a direction, and its exact gradient.
+
+The task inertia Lambda = (J M^-1 J^T)^-1 is never formed: its inverse is singular whenever the
+contact cannot move in all directions, while the directional inertia is still defined.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pinocchio as pin
+
+from hitjoints.dynamics.kinematics import WORLD_ALIGNED, placement, point_jacobian
+from hitjoints.errors import InfeasibleError
+from hitjoints.robot import Contact
+from hitjoints.tolerances import MOBILITY_FLOOR
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from hitjoints.robot import Robot
+
+
+def inverse_inertia(robot: Robot, q: ArrayLike, contact: Contact | int) -> NDArray[np.float64]:
+    """Return the inverse task inertia Li = J M^-1 J^T.
+
+    Args:
+        robot: the arm.
+        q: (n,) rad.
+        contact: joint number or Contact.
+
+    Returns:
+        (3, 3) 1/kg, symmetric; singular when the contact cannot move in all directions.
+
+    Raises:
+        InputError: no such joint, or q of wrong shape or not finite.
+    """
+    contact, q = robot.contact(contact), robot.one_configuration(q)
+    model, data = robot.model, robot.data
+    jac = point_jacobian(model, data, q, contact)
+    factor_mass_matrix(model, data, q)
+    solved = np.column_stack([pin.cholesky.solve(model, data, row) for row in jac])
+    product = jac @ solved
+    return (product + product.T) / 2
+
+
+def factor_mass_matrix(model: Any, data: Any, q: NDArray[np.float64]) -> None:
+    """Leave the mass matrix M(q) and its Cholesky factors in `data`."""
+    pin.crba(model, data, q)
+    pin.cholesky.decompose(model, data)
+
+
+def pull_and_response(
+    model: Any, data: Any, q: NDArray[np.float64], contact: Contact, h: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return g = J^T h and u = M^-1 g, the joint velocities that a unit impulse along h causes."""
+    g = h @ point_jacobian(model, data, q, contact)
+    factor_mass_matrix(model, data, q)
+    return g, pin.cholesky.solve(model, data, g)
+
+
+def mobility(
+    model: Any, data: Any, q: NDArray[np.float64], joint: int, h: NDArray[np.float64]
+) -> float:
+    """Return h^T J M^-1 J^T h (1/kg) at a joint's origin: the inverse of its inertia along h."""
+    g, u = pull_and_response(model, data, q, Contact(joint), h)
+    return float(g @ u)
+
+
+def inertia_along(
+    robot: Robot, q: NDArray[np.float64], contact: Contact, h: NDArray[np.float64]
+) -> float:
+    """Return lambda_h = 1 / (h^T Li h) for checked arguments; errors as `hj.directional_inertia`."""
+    g, u = pull_and_response(robot.model, robot.data, q, contact, h)
+    return 1.0 / _feasible(float(g @ u), contact, h)
+
+
+def inertia_and_gradient_along(
+    robot: Robot, q: NDArray[np.float64], contact: Contact, h: NDArray[np.float64]
+) -> tuple[float, NDArray[np.float64]]:
+    """Return lambda_h (kg) and its gradient (n,) kg/rad, for checked arguments.
+
+    With u = M^-1 J^T h held fixed,
+    d lambda / dq = -lambda^2 (2 h^T d(J u)/dq - u^T (dM/dq) u).
+    """
+    model, data = robot.model, robot.data
+    g, u = pull_and_response(model, data, q, contact, h)
+    inertia = 1.0 / _feasible(float(g @ u), contact, h)
+    still = np.zeros(robot.n)
+    pin.computeForwardKinematicsDerivatives(model, data, q, u, still)
+    # Of Pinocchio's velocity derivatives only the one of a point is d(J u)/dq.
+    velocity_by_q = pin.getPointVelocityDerivatives(
+        model, data, contact.joint, placement(contact), WORLD_ALIGNED
+    )[0]
+    momentum_by_q = pin.computeRNEADerivatives(robot.weightless_model, data, q, still, u)[0]
+    return inertia, -(inertia**2) * (2 * h @ velocity_by_q - u @ momentum_by_q)
+
+
+def _feasible(mobility: float, contact: Contact, h: NDArray[np.float64]) -> float:
+    if mobility < MOBILITY_FLOOR:
+        raise InfeasibleError(
+            f"infeasible direction: joint {contact.joint} cannot move along "
+            f"({', '.join(f'{v:.4g}' for v in h)}) in this configuration",
+            {"joint": contact.joint, "direction": h.tolist(), "mobility": mobility},
+        )
+    return mobility

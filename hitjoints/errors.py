@@ -1,0 +1,68 @@
+"""What can go wrong, each with the data a caller needs to react."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+
+class HitjointsError(Exception):
+    """Root of every error the package raises on purpose; its text is one line."""
+
+
+class InputError(HitjointsError, ValueError):
+    """An argument cannot be used.
+
+    Args:
+        argument: name of the argument, as the caller wrote it.
+        value: what was given.
+        expected: what would be right.
+    """
+
+    def __init__(self, argument: str, value: object, expected: str) -> None:
+        self.argument, self.value, self.expected = argument, value, expected
+        super().__init__(f"{argument} = {value}: {expected}")
+
+
+class UnknownNameError(InputError):
+    """A name is not among the known ones; the message lists those."""
+
+    def __init__(self, argument: str, value: object, choices: Iterable[str]) -> None:
+        self.choices = sorted(choices)
+        super().__init__(argument, repr(value), f"choose one of {', '.join(self.choices)}")
+
+
+class ModelError(HitjointsError):
+    """A robot description cannot be used: not readable, or not a fixed-base serial arm."""
+
+    def __init__(self, source: str, reason: str) -> None:
+        self.source, self.reason = source, reason
+        super().__init__(f"robot {source}: {reason}")
+
+
+class InfeasibleError(HitjointsError):
+    """The question was understood and the answer is no.
+
+    Args:
+        reason: what is in the way, in one sentence.
+        data: numbers that show it (an infeasibility certificate, the nearest feasible value).
+    """
+
+    def __init__(self, reason: str, data: Mapping[str, object] | None = None) -> None:
+        self.reason, self.data = reason, dict(data or {})
+        super().__init__(reason)
+
+
+class SolverError(HitjointsError):
+    """A solver's answer did not pass our own residual check, and the problem is not shown infeasible."""
+
+
+class KernelMismatchError(HitjointsError):
+    """A generated kernel disagrees with Pinocchio and refuses to serve."""
+
+
+class MissingExtraError(HitjointsError, ImportError):
+    """An optional part is not installed; the message holds the install line."""
+
+    def __init__(self, package: str, extra: str) -> None:
+        self.package, self.extra = package, extra
+        super().__init__(f"{package} is not installed: pip install 'hitjoints[{extra}]'")

@@ -1,0 +1,1 @@
+"""Sweeps over configurations and workspaces, as xarray data sets with units."""

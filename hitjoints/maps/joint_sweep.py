@@ -1,0 +1,123 @@
+"""Turn the hitting joint and watch inertia, speed and flux: the paper's Fig. 2."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hitjoints.dynamics.impact import hitting_flux
+from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.maps.describe import described
+from hitjoints.quantities import kernel_for, place_joint
+from hitjoints.robot import Contact
+from hitjoints.vectors import points, unit
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+    from xarray import Dataset
+
+    from hitjoints.robot import Robot
+
+OUTPUTS = ("inertia", "speed", "straight_speed")
+
+
+def sweep_joint(
+    robot: Robot,
+    position: ArrayLike,
+    direction: ArrayLike,
+    mass: float,
+    *,
+    joints: Sequence[int] | None = None,
+    count: int = 181,
+    start: ArrayLike | None = None,
+    seed: int = 0,
+) -> Dataset:
+    """Place each joint at a point, then turn that joint over its range (Section III-A, Fig. 2).
+
+    Every joint is placed by inverse kinematics from one common configuration, so the arms stay
+    close to each other in joint space. Turning joint k changes neither its position nor its
+    speed, but the inertia and with it the flux.
+
+    Args:
+        robot: the arm.
+        position: (3,) m, where the object is.
+        direction: (3,), the hitting direction.
+        mass: of the object, kg.
+        joints: hitting joints; the robot's own when not given.
+        count: angles per joint.
+        start: (n,) rad, the common configuration; the robot's home when not given.
+        seed: of the inverse kinematics' random restarts, needed when `start` leads nowhere.
+
+    Returns:
+        A data set over (joint, sample): angle, inertia, speed, straight_speed, flux,
+        straight_flux; over joint: reachable, position_error, q. An unreachable joint holds nan.
+
+    Raises:
+        InputError: an argument cannot be used.
+        InfeasibleError: no joint reaches the position.
+    """
+    chosen = [robot.contact(k).joint for k in (joints or robot.hitting_joints)]
+    if len(set(chosen)) < len(chosen):
+        raise InputError("joint", chosen, "each joint once")
+    if count < 2:
+        raise InputError("count", count, "at least 2 angles")
+    target = points(position, "position").reshape(3)
+    h = unit(direction)
+    common = robot.within_limits(robot.home if start is None else start, "start")
+    rows = [_turn(robot, k, target, h, common, count, seed) for k in chosen]
+    if not any(row["reachable"] for row in rows):
+        raise InfeasibleError(
+            f"unreachable: no joint of {chosen} can be placed at "
+            f"({', '.join(f'{v:g}' for v in target)}); the closest, joint "
+            f"{min(rows, key=lambda r: r['position_error'])['joint']}, stays "
+            f"{min(r['position_error'] for r in rows):.3g} m away",
+            {"position_error": {r["joint"]: r["position_error"] for r in rows}},
+        )
+    return _assemble(robot, rows, target, h, mass)
+
+
+def _turn(
+    robot: Robot, joint: int, target: Any, h: Any, common: Any, count: int, seed: int
+) -> dict[str, Any]:
+    placed = place_joint(robot, joint, target, seed, start=common)
+    q, reachable = placed.q[0], bool(placed.solved[0])
+    row: dict[str, Any] = {"joint": joint, "q": q, "reachable": reachable}
+    row["position_error"] = float(placed.error[0])
+    low, high = robot.lower[joint - 1], robot.upper[joint - 1]
+    if not np.isfinite(low + high):
+        low, high = -np.pi, np.pi
+    row["angle"] = np.linspace(low, high, count)
+    turned = np.tile(q, (count, 1))
+    turned[:, joint - 1] = row["angle"]
+    values = kernel_for(robot, (Contact(joint),), OUTPUTS)(turned, h)
+    for name in OUTPUTS:
+        row[name] = values[name][0] if reachable else np.full(count, np.nan)
+    return row
+
+
+def _assemble(robot: Robot, rows: list[dict[str, Any]], target: Any, h: Any, mass: float) -> Dataset:
+    import xarray as xr
+
+    over_angle, per_joint = ("joint", "sample"), ("joint",)
+    columns = {name: np.stack([row[name] for row in rows]) for name in ("angle", *OUTPUTS)}
+    reached = np.array([row["reachable"] for row in rows])
+    for speed, flux in (("speed", "flux"), ("straight_speed", "straight_flux")):
+        columns[flux] = np.full_like(columns[speed], np.nan)
+        columns[flux][reached] = hitting_flux(
+            columns["inertia"][reached], mass, columns[speed][reached]
+        )
+    dataset = xr.Dataset(
+        {name: (over_angle, values) for name, values in columns.items()}
+        | {
+            "reachable": (per_joint, reached),
+            "position_error": (per_joint, np.array([row["position_error"] for row in rows])),
+            "q": (("joint", "axis"), np.stack([row["q"] for row in rows])),
+        },
+        coords={
+            "joint": [row["joint"] for row in rows],
+            "axis": np.arange(1, robot.n + 1),
+        },
+    )
+    return described(dataset, robot, position=target.tolist(), direction=h.tolist(), mass=mass)

@@ -1,0 +1,155 @@
+"""Judge the numbers of a robot description: can a real arm have them, and what do they spoil?"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hitjoints.robot import Robot
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from hitjoints.loading import Description
+    from hitjoints.urdf import Link
+
+SAMPLES = 100  # configurations a wrong inertia's effect is measured on
+THICKNESS = 0.1  # of a link, as a share of the arm's reach: joint origins tell only the length
+ROUND_OFF = 1e-9  # relative slack for inertias written with a few digits
+
+
+@dataclass(frozen=True)
+class Issue:
+    """One finding.
+
+    Attributes:
+        severity: "error" when the inertias computed from the model are wrong, "warning" when they
+            may be, "note" when a feature will be missing.
+        link: link or joint it is about.
+        problem: what is wrong, with the numbers.
+        effect: what that does.
+    """
+
+    severity: str
+    link: str
+    problem: str
+    effect: str
+
+    def __str__(self) -> str:
+        return f"{self.link}: {self.problem}; {self.effect}"
+
+    def as_dict(self) -> dict[str, str]:
+        """Return the fields by name."""
+        return asdict(self)
+
+
+def check_description(description: Description, robot: Robot) -> list[Issue]:
+    """Check link inertias and joint limits; the gravest findings first."""
+    issues = [*_check_links(description, robot), *_check_limits(robot)]
+    return sorted(issues, key=lambda issue: ("error", "warning", "note").index(issue.severity))
+
+
+def _check_links(description: Description, robot: Robot) -> list[Issue]:
+    issues = []
+    reach = sum(link.size for link in description.arm.links if link.moving)
+    for link in description.arm.links:
+        if not _rides_on_a_joint(link, robot):
+            continue  # the base does not move: its inertia plays no part
+        problem, severity = _inertia_problem(link, reach)
+        if problem:
+            effect = _effect(robot, link) if severity == "error" else "it deserves a second look"
+            issues.append(Issue(severity, link.name, problem, effect))
+    return issues
+
+
+def _rides_on_a_joint(link: Link, robot: Robot) -> bool:
+    frame = robot.model.frames[robot.model.getFrameId(link.name)]
+    return bool(frame.parentJoint > 0)
+
+
+def _inertia_problem(link: Link, reach: float) -> tuple[str, str]:
+    """Return the worst thing wrong with a link's inertia, and how grave it is."""
+    small, middle, large = moments = np.linalg.eigvalsh(link.inertia)
+    slack = ROUND_OFF * abs(moments).max(initial=0.0)
+    shown = f"principal moments {small:.3g}, {middle:.3g}, {large:.3g} kg m^2"
+    if link.mass < 0:
+        return f"negative mass {link.mass:g} kg", "error"
+    if link.mass == 0 and large > slack:
+        return f"zero mass with {shown}", "error"
+    if link.mass == 0:
+        return ("zero mass", "warning") if link.moving else ("", "")
+    if large == 0 and small == 0:
+        return f"zero inertia tensor with a mass of {link.mass:g} kg", "warning"
+    if small < -slack or (link.moving and small <= 0):
+        return f"inertia not positive definite: {shown}", "error"
+    gyration = float(np.sqrt(large / link.mass))
+    if gyration > max(reach, link.size):
+        return (
+            f"radius of gyration {gyration:.3g} m from a mass of {link.mass:g} kg, "
+            f"longer than the whole arm ({reach:.3g} m)",
+            "error",
+        )
+    if small + middle < large * (1 - 1e-6):
+        return f"triangle inequality violated: {shown}, no body has these", "error"
+    size = link.size + THICKNESS * reach
+    if gyration > size:
+        return (
+            f"radius of gyration {gyration:.3g} m is out of proportion to a link "
+            f"of about {size:.2g} m",
+            "warning",
+        )
+    return "", ""
+
+
+def _effect(robot: Robot, link: Link) -> str:
+    """Measure how the link's rotational inertia scales the inertia at the joint that carries it."""
+    import pinocchio as pin
+
+    frame = robot.model.frames[robot.model.getFrameId(link.name)]
+    joint = frame.parentJoint
+    without = pin.Model(robot.model)
+    body = robot.model.inertias[joint]
+    turned = frame.placement.rotation @ link.inertia @ frame.placement.rotation.T
+    without.inertias[joint] = pin.Inertia(body.mass, body.lever, body.inertia - turned)
+    ratios = _inertia_ratios(robot, without, joint)
+    if not ratios.size:
+        return f"the inertia at joint {joint} is not defined without it"
+    return (
+        f"it multiplies the directional inertia at joint {joint} by {np.median(ratios):.2g} "
+        f"in the median (up to {ratios.max():.2g})"
+    )
+
+
+def _inertia_ratios(robot: Robot, other: Any, joint: int) -> NDArray[np.float64]:
+    from hitjoints.dynamics.inertia import mobility
+
+    rng = np.random.default_rng(0)
+    low = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
+    high = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
+    data = other.createData()
+    ratios = []
+    for q in rng.uniform(low, high, (SAMPLES, robot.n)):
+        h = rng.normal(size=3)
+        h /= np.linalg.norm(h)
+        given = mobility(robot.model, robot.data, q, joint, h)
+        clean = mobility(other, data, q, joint, h)
+        if given > 0 and clean > 0:
+            ratios.append(clean / given)
+    return np.array(ratios)
+
+
+def _check_limits(robot: Robot) -> list[Issue]:
+    issues = []
+    for i, name in enumerate(robot.joint_names):
+        if robot.velocity_upper[i] == 0:
+            effect = "the joint counts as locked and adds no hitting speed"
+            issues.append(Issue("warning", name, "zero or missing velocity limit", effect))
+        if robot.effort[i] == 0:
+            effect = "torque limits cannot be applied"
+            issues.append(Issue("note", name, "zero or missing effort limit", effect))
+        if robot.lower[i] == robot.upper[i]:
+            effect = "the joint cannot move"
+            issues.append(Issue("warning", name, "equal lower and upper position limits", effect))
+    return issues

@@ -1,0 +1,199 @@
+"""The arm: its Pinocchio model, its limits, and the contact points on its links."""
+
+from __future__ import annotations
+
+import hashlib
+import threading
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hitjoints.errors import InputError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+
+@dataclass(frozen=True)
+class Contact:
+    """The point that hits: rigidly attached to a joint's link.
+
+    Args:
+        joint: 1-based number of the joint.
+        offset: (3,) m, from the origin of the joint's frame, in that frame. Zero is the origin.
+    """
+
+    joint: int
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        values = np.asarray(self.offset, dtype=float)
+        if values.shape != (3,) or not np.isfinite(values).all():
+            raise InputError("offset", self.offset, "three finite numbers in metres")
+        object.__setattr__(self, "offset", tuple(float(v) for v in values))
+
+
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """A fixed-base serial arm. Made by `load_robot`; compared by identity.
+
+    Attributes:
+        name: the name it was loaded by.
+        model: Pinocchio model, one degree of freedom per joint; not to be written to.
+        hitting_joints: joints (1-based) a hit is planned with when none is named.
+        home: (n,) rad, a configuration in the middle of the useful workspace.
+        flange: the end of the arm, on the last joint; the point chi_{n+1} of Eq. 14.
+        xml: the URDF as given to Pinocchio.
+        title, source, licence: where the numbers come from.
+    """
+
+    name: str
+    model: Any
+    hitting_joints: tuple[int, ...]
+    home: NDArray[np.float64]
+    flange: Contact
+    xml: str = field(repr=False)
+    title: str = ""
+    source: str = field(default="", repr=False)
+    licence: str = ""
+    package_directory: str = field(default="", repr=False)
+    _local: threading.local = field(default_factory=threading.local, repr=False)
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return int(self.model.nv)
+
+    @property
+    def joint_names(self) -> list[str]:
+        """Names of the joints, base to tip."""
+        return list(self.model.names)[1:]
+
+    @cached_property
+    def lower(self) -> NDArray[np.float64]:
+        """Lower position limits, (n,) rad (m for a prismatic joint); -inf for continuous joints."""
+        return _frozen(self.model.lowerPositionLimit)
+
+    @cached_property
+    def upper(self) -> NDArray[np.float64]:
+        """Upper position limits, (n,) rad."""
+        return _frozen(self.model.upperPositionLimit)
+
+    @cached_property
+    def velocity_lower(self) -> NDArray[np.float64]:
+        """Lower velocity limits, (n,) rad/s."""
+        return _frozen(self.model.lowerVelocityLimit)
+
+    @cached_property
+    def velocity_upper(self) -> NDArray[np.float64]:
+        """Upper velocity limits, (n,) rad/s. Zero means the joint is locked."""
+        return _frozen(self.model.upperVelocityLimit)
+
+    @cached_property
+    def effort(self) -> NDArray[np.float64]:
+        """Effort limits, (n,) N m."""
+        return _frozen(self.model.upperEffortLimit)
+
+    @property
+    def data(self) -> Any:
+        """Pinocchio's work space, one per thread."""
+        try:
+            return self._local.data
+        except AttributeError:
+            self._local.data = self.model.createData()
+            return self._local.data
+
+    @cached_property
+    def weightless_model(self) -> Any:
+        """The same model without gravity: its RNEA derivatives hold d(M a)/dq alone."""
+        import pinocchio as pin
+
+        model = pin.Model(self.model)
+        model.gravity = pin.Motion.Zero()
+        return model
+
+    @cached_property
+    def collision_model(self) -> Any:
+        """Pinocchio's geometry of the collision shapes."""
+        import pinocchio as pin
+
+        return pin.buildGeomFromUrdfString(
+            self.model, self.xml, pin.GeometryType.COLLISION, None, [self.package_directory]
+        )
+
+    @cached_property
+    def digest(self) -> str:
+        """Hash of everything the quantities depend on: same digest, same numbers."""
+        parts = [self.xml.encode()]
+        parts += [np.ascontiguousarray(a).tobytes() for a in (self.model.armature, self.lower)]
+        return hashlib.sha256(b"\0".join(parts)).hexdigest()[:16]
+
+    def contact(self, contact: Contact | int) -> Contact:
+        """Return `contact` as a Contact of this robot; a plain number is that joint's origin.
+
+        Raises:
+            InputError: there is no such joint.
+        """
+        if not isinstance(contact, Contact):
+            contact = Contact(contact)
+        joint = contact.joint
+        valid = isinstance(joint, (int, np.integer)) and not isinstance(joint, bool)
+        if not valid or not 1 <= joint <= self.n:
+            raise InputError("joint", joint, f"{self.name} has joints 1 to {self.n}")
+        return contact
+
+    def configuration(self, q: ArrayLike, argument: str = "q") -> NDArray[np.float64]:
+        """Return `q` as one (n,) or many (N, n) finite configurations.
+
+        Raises:
+            InputError: wrong shape, or not finite.
+        """
+        try:
+            array = np.asarray(q, dtype=float)
+        except (TypeError, ValueError):
+            raise InputError(argument, q, f"{self.n} numbers in rad") from None
+        if array.shape[-1:] != (self.n,) or array.ndim not in (1, 2):
+            raise InputError(
+                argument,
+                _brief(array),
+                f"{self.name} takes {self.n} joint positions (or rows of them), "
+                f"this has shape {array.shape}",
+            )
+        if not np.isfinite(array).all():
+            raise InputError(argument, _brief(array), "every joint position must be finite")
+        return array
+
+    def one_configuration(self, q: ArrayLike, argument: str = "q") -> NDArray[np.float64]:
+        """Return `q` as one finite configuration (n,); errors as `configuration`."""
+        array = self.configuration(q, argument)
+        if array.ndim != 1:
+            raise InputError(argument, _brief(array), "one configuration is needed, not rows")
+        return array
+
+    def within_limits(self, q: ArrayLike, argument: str = "q") -> NDArray[np.float64]:
+        """Return one configuration (n,) that lies within the position limits.
+
+        Raises:
+            InputError: it does not; the message names the joint and both bounds.
+        """
+        array = self.one_configuration(q, argument)
+        for i in np.flatnonzero((array < self.lower) | (array > self.upper)):
+            raise InputError(
+                argument,
+                _brief(array),
+                f"joint {i + 1} is at {array[i]:.6g}, outside its limits "
+                f"[{self.lower[i]:.6g}, {self.upper[i]:.6g}]",
+            )
+        return array
+
+
+def _frozen(values: ArrayLike) -> NDArray[np.float64]:
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array
+
+
+def _brief(array: NDArray[np.float64]) -> str:
+    return np.array2string(array, precision=4, threshold=12, separator=",").replace("\n", "")

@@ -1,0 +1,49 @@
+"""Checks of the plain vectors that come in from outside."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hitjoints.errors import InputError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+
+def unit(direction: ArrayLike, argument: str = "direction") -> NDArray[np.float64]:
+    """Return one direction (3,), or one per row (N, 3), scaled to length 1.
+
+    Raises:
+        InputError: wrong shape, not finite, or zero.
+    """
+    array = points(direction, argument)
+    # Scaling by the largest entry first keeps tiny and huge vectors from under- or overflowing.
+    scale = np.abs(array).max(axis=-1, keepdims=True, initial=0.0)
+    if not (scale > 0).all():
+        raise InputError(argument, _brief(array), "a direction must not be zero")
+    scaled = array / scale
+    length = np.sqrt((scaled * scaled).sum(axis=-1, keepdims=True))
+    return np.asarray(scaled / length)
+
+
+def points(values: ArrayLike, argument: str) -> NDArray[np.float64]:
+    """Return one vector (3,) or rows (N, 3) of finite numbers.
+
+    Raises:
+        InputError: wrong shape or not finite.
+    """
+    try:
+        array = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(argument, values, "three numbers x,y,z are needed") from None
+    if array.shape[-1:] != (3,) or array.ndim not in (1, 2):
+        raise InputError(argument, _brief(array), "three numbers x,y,z (or rows of three)")
+    if not np.isfinite(array).all():
+        raise InputError(argument, _brief(array), "every number must be finite")
+    return array
+
+
+def _brief(array: NDArray[np.float64]) -> str:
+    return np.array2string(array, precision=4, threshold=6, separator=",").replace("\n", "")

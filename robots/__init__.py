@@ -1,0 +1,1 @@
+"""The robots that come with hitjoints: one TOML each, and our own URDFs."""
