@@ -73,5 +73,5 @@ def _run(words: list[str]) -> int:
         return FAILED
     except BrokenPipeError:
         # The reader of a pipe has seen enough; nothing is left to be said to it.
-        sys.stdout = None  # type: ignore[assignment]
+        sys.stdout = None
         return DONE

@@ -14,6 +14,7 @@ from .options import (
     JsonOption,
     MassOption,
     RobotOption,
+    check_mass,
     numbers,
 )
 from .render import complain, print_json, print_table
@@ -31,19 +32,19 @@ def inspect(
         str, typer.Option(metavar="X,Y,Z", help="Contact point in the joint's frame (m).")
     ] = "0,0,0",
     q: Annotated[
-        str | None, typer.Option("--q", metavar="Q1,Q2,...", help="Joint positions. [default: home]")
+        str | None,
+        typer.Option("--q", metavar="Q1,Q2,...", help="Joint positions. [default: home]"),
     ] = None,
     direction: DirectionOption = DIRECTION,
     mass: MassOption = MASS,
     as_json: JsonOption = False,
 ) -> None:
     """Show position, inertia, gradient, speed and flux at one configuration."""
-    from hitjoints.errors import InfeasibleError, InputError
+    from hitjoints.errors import InfeasibleError
     from hitjoints.loading import load_robot
     from hitjoints.robot import Contact
 
-    if not mass > 0:
-        raise InputError("mass", mass, "an object weighs more than 0 kg")
+    check_mass(mass)
     arm = load_robot(robot)
     chosen = arm.hitting_joints[-2:][0] if joint is None else joint
     contact = arm.contact(Contact(chosen, _triple(offset)))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -21,6 +22,29 @@ def numbers(text: str) -> list[float]:
         raise typer.BadParameter(f"{text!r} is not a list of numbers like 0.5,0.3,0.5") from None
 
 
+def spaced(text: str) -> Any:
+    """Read a range "start:stop:count", ends included, or a single number."""
+    import numpy as np
+
+    try:
+        start, stop, count = text.split(":") if ":" in text else (text, text, "1")
+        return np.linspace(float(start), float(stop), max(0, int(count)))
+    except ValueError:
+        raise typer.BadParameter(f"{text!r} is not a range like -0.5:0.5:20") from None
+
+
+def check_mass(mass: float) -> None:
+    """Refuse a mass that no object has.
+
+    Raises:
+        InputError: not above zero, or not finite.
+    """
+    from hitjoints.errors import InputError
+
+    if not (mass > 0 and math.isfinite(mass)):
+        raise InputError("mass", mass, "an object weighs more than 0 kg")
+
+
 RobotOption = Annotated[
     str, typer.Option("--robot", metavar="NAME|FILE", help="Built-in name, or a URDF or TOML file.")
 ]
@@ -30,6 +54,10 @@ DirectionOption = Annotated[
 MassOption = Annotated[float, typer.Option("--mass", metavar="KG", help="Mass of the object.")]
 ObjectOption = Annotated[
     str, typer.Option("--object", metavar="X,Y,Z", help="Position of the object (m).")
+]
+JointsOption = Annotated[
+    list[int] | None,
+    typer.Option("--joint", help="Hitting joint; repeat for several. [default: the robot's]"),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")]
 OutOption = Annotated[

@@ -17,9 +17,16 @@ if TYPE_CHECKING:
         manipulability,
         position,
     )
-    from hitjoints.errors import HitjointsError, InfeasibleError, InputError, ModelError, SolverError
+    from hitjoints.errors import (
+        HitjointsError,
+        InfeasibleError,
+        InputError,
+        ModelError,
+        SolverError,
+    )
     from hitjoints.loading import ModelWarning, load_robot, robot_names
     from hitjoints.maps.joint_sweep import sweep_joint
+    from hitjoints.maps.workspace import open_map, sweep_workspace
     from hitjoints.quantities import (
         directional_inertia,
         directional_inertia_gradient,
@@ -42,6 +49,7 @@ _HOMES = {
     "errors": ("HitjointsError", "InfeasibleError", "InputError", "ModelError", "SolverError"),
     "loading": ("ModelWarning", "load_robot", "robot_names"),
     "maps.joint_sweep": ("sweep_joint",),
+    "maps.workspace": ("open_map", "sweep_workspace"),
     "quantities": (
         "directional_inertia",
         "directional_inertia_gradient",
@@ -73,12 +81,14 @@ __all__ = [
     "load_robot",
     "manipulability",
     "object_speed",
+    "open_map",
     "place_joint",
     "position",
     "rebound",
     "required_speed",
     "robot_names",
     "sweep_joint",
+    "sweep_workspace",
 ]
 
 

@@ -53,7 +53,7 @@ class InfeasibleError(HitjointsError):
 
 
 class SolverError(HitjointsError):
-    """A solver's answer did not pass our own residual check, and the problem is not shown infeasible."""
+    """A solver's answer failed our own residual check, and the problem is not shown infeasible."""
 
 
 class KernelMismatchError(HitjointsError):

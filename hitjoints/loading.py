@@ -20,10 +20,11 @@ from hitjoints.urdf import Arm, read_arm, read_text
 ERD = "example-robot-data"
 # Frames that mark the end of an arm in common URDFs, tried in this order.
 FLANGE_NAMES = ("flange", "tool0", "ee_link", "link_eef")
-KEYS = (
-    "name", "title", "urdf", "licence", "source", "lock",
-    "hitting_joints", "home", "flange", "armature",
-)  # fmt: skip
+# What a robot's TOML may hold.
+KEYS = {
+    "name": str, "title": str, "urdf": str, "licence": str, "source": str, "lock": list,
+    "hitting_joints": list, "home": list, "flange": str, "armature": list,
+}  # fmt: skip
 
 
 class ModelWarning(UserWarning):
@@ -80,12 +81,13 @@ def load_robot(name_or_path: str | Path, *, lock: Collection[str] = ()) -> Robot
 def describe(name_or_path: str | Path, lock: Collection[str] = ()) -> Description:
     """Read the files of a robot; arguments and errors as `load_robot`."""
     text = str(name_or_path)
+    lock = (lock,) if isinstance(lock, str) else lock
     if text in robot_names():
         return _from_toml(Path(str(resources.files("hitjoints.robots"))) / f"{text}.toml", lock)
     path = Path(text)
     if path.suffix == ".toml":
         return _from_toml(path, lock)
-    if not (path.suffix or "/" in text):
+    if path.suffix != ".urdf" and "/" not in text and not path.is_file():
         known = erd_urdfs()
         if text not in known:
             raise UnknownNameError(
@@ -101,11 +103,16 @@ def _from_toml(path: Path, lock: Collection[str]) -> Description:
         facts = tomllib.loads(read_text(str(path)))
     except tomllib.TOMLDecodeError as error:
         raise ModelError(str(path), f"not a TOML file ({error})") from None
-    for key in facts:
+    for key, value in facts.items():
         if key not in KEYS:
             raise ModelError(str(path), f"unknown key {key!r}; the keys are {', '.join(KEYS)}")
-    if not isinstance(facts.get("urdf"), str):
+        if not isinstance(value, KEYS[key]):
+            kind = "text" if KEYS[key] is str else "a list"
+            raise ModelError(str(path), f"{key} = {value!r} must be {kind}")
+    if "urdf" not in facts:
         raise ModelError(str(path), "the key 'urdf' must name the URDF file")
+    if not all(isinstance(joint, str) for joint in facts.get("lock", ())):
+        raise ModelError(str(path), f"lock = {facts['lock']} must be names of joints")
     package, _, inside = facts["urdf"].rpartition(":")
     urdf = (erd_directory() / inside) if package == ERD else path.parent / facts["urdf"]
     name = facts.get("name", path.stem)
@@ -129,15 +136,17 @@ def build_robot(description: Description) -> Robot:
         model.lowerPositionLimit[index] = -np.inf
         model.upperPositionLimit[index] = np.inf
     n = model.nv
+    # Pinocchio 4.1 leaves the upper limit here; a URDF's velocity limit holds both ways.
+    model.lowerVelocityLimit = -model.upperVelocityLimit
     model.armature = _facts_vector(facts, "armature", np.zeros(n), name)
     if (model.armature < 0).any():
         raise ModelError(name, f"armature = {facts['armature']} must not be negative")
     lower, upper = model.lowerPositionLimit, model.upperPositionLimit
-    middle = np.where(np.isfinite(lower + upper), (lower + upper) / 2, 0.0)
+    middle, bounded = np.zeros(n), np.isfinite(lower)
+    middle[bounded] = (lower[bounded] + upper[bounded]) / 2
     home = _facts_vector(facts, "home", middle, name)
-    home.setflags(write=False)
     joints = tuple(facts.get("hitting_joints", range(max(1, n - 2), n + 1)))
-    if not joints or not all(isinstance(k, int) and 1 <= k <= n for k in joints):
+    if not joints or not all(type(k) is int and 1 <= k <= n for k in joints):
         raise ModelError(name, f"hitting_joints = {joints} must be joints from 1 to {n}")
     robot = Robot(
         name=name,
@@ -159,7 +168,10 @@ def build_robot(description: Description) -> Robot:
 
 
 def _facts_vector(facts: Mapping[str, Any], key: str, default: Any, name: str) -> Any:
-    values = np.array(facts.get(key, default), dtype=float)
+    try:
+        values = np.array(facts.get(key, default), dtype=float)
+    except (TypeError, ValueError):
+        values = np.empty(0)
     if values.shape != np.shape(default) or not np.isfinite(values).all():
         raise ModelError(name, f"{key} = {facts[key]} must be {len(default)} finite numbers")
     return values
@@ -168,14 +180,13 @@ def _facts_vector(facts: Mapping[str, Any], key: str, default: Any, name: str) -
 def _flange(model: Any, frame: str | None, name: str) -> Contact:
     """Return the named frame's point, or that of a usual name, or the last joint's origin."""
     last = model.nv
-    if frame is not None and not model.existFrame(frame):
-        choices = [f.name for f in model.frames if f.parentJoint == last]
-        raise ModelError(name, f"flange {frame!r} is not a frame; choose one of {choices}")
+    ends = {f.name: f.placement.translation for f in model.frames if f.parentJoint == last}
+    if frame is not None and frame not in ends:
+        reason = f"flange {frame!r} is no frame on the last joint; choose one of {list(ends)}"
+        raise ModelError(name, reason)
     for candidate in (frame,) if frame is not None else FLANGE_NAMES:
-        if model.existFrame(candidate):
-            found = model.frames[model.getFrameId(candidate)]
-            if found.parentJoint == last:
-                return Contact(last, tuple(found.placement.translation))
+        if candidate in ends:
+            return Contact(last, tuple(ends[candidate]))
     return Contact(last)
 
 
@@ -186,7 +197,8 @@ def erd_directory() -> Path:
     try:
         return Path(str(metadata.distribution(ERD).locate_file(share)))
     except metadata.PackageNotFoundError:
-        raise InputError("robot", ERD, "it is not installed: pip install example-robot-data") from None
+        install = "it is not installed: pip install example-robot-data"
+        raise InputError("robot", ERD, install) from None
 
 
 @lru_cache(maxsize=1)

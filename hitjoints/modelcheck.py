@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.robot import Robot
+from hitjoints.errors import ModelError
+from hitjoints.robot import Contact, Robot
+from hitjoints.tolerances import MOBILITY_FLOOR
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -47,7 +49,11 @@ class Issue:
 
 def check_description(description: Description, robot: Robot) -> list[Issue]:
     """Check link inertias and joint limits; the gravest findings first."""
-    issues = [*_check_links(description, robot), *_check_limits(robot)]
+    issues = [
+        *_check_links(description, robot),
+        *_check_mass_matrix(robot),
+        *_check_limits(robot),
+    ]
     return sorted(issues, key=lambda issue: ("error", "warning", "note").index(issue.severity))
 
 
@@ -55,7 +61,7 @@ def _check_links(description: Description, robot: Robot) -> list[Issue]:
     issues = []
     reach = sum(link.size for link in description.arm.links if link.moving)
     for link in description.arm.links:
-        if not _rides_on_a_joint(link, robot):
+        if _frame(link, robot).parentJoint == 0:
             continue  # the base does not move: its inertia plays no part
         problem, severity = _inertia_problem(link, reach)
         if problem:
@@ -64,12 +70,14 @@ def _check_links(description: Description, robot: Robot) -> list[Issue]:
     return issues
 
 
-def _rides_on_a_joint(link: Link, robot: Robot) -> bool:
-    frame = robot.model.frames[robot.model.getFrameId(link.name)]
-    return bool(frame.parentJoint > 0)
+def _frame(link: Link, robot: Robot) -> Any:
+    import pinocchio as pin
+
+    # A joint may have the same name as a link.
+    return robot.model.frames[robot.model.getFrameId(link.name, pin.FrameType.BODY)]
 
 
-def _inertia_problem(link: Link, reach: float) -> tuple[str, str]:
+def _inertia_problem(link: Link, reach: float) -> tuple[str, str]:  # noqa: PLR0911
     """Return the worst thing wrong with a link's inertia, and how grave it is."""
     small, middle, large = moments = np.linalg.eigvalsh(link.inertia)
     slack = ROUND_OFF * abs(moments).max(initial=0.0)
@@ -104,25 +112,30 @@ def _inertia_problem(link: Link, reach: float) -> tuple[str, str]:
 
 
 def _effect(robot: Robot, link: Link) -> str:
-    """Measure how the link's rotational inertia scales the inertia at the joint that carries it."""
+    """Measure how the link's rotational inertia scales the inertia at the joint that carries it.
+
+    Near the base that joint's origin cannot move: then the flange shows the effect.
+    """
     import pinocchio as pin
 
-    frame = robot.model.frames[robot.model.getFrameId(link.name)]
+    frame = _frame(link, robot)
     joint = frame.parentJoint
     without = pin.Model(robot.model)
-    body = robot.model.inertias[joint]
-    turned = frame.placement.rotation @ link.inertia @ frame.placement.rotation.T
-    without.inertias[joint] = pin.Inertia(body.mass, body.lever, body.inertia - turned)
-    ratios = _inertia_ratios(robot, without, joint)
-    if not ratios.size:
-        return f"the inertia at joint {joint} is not defined without it"
-    return (
-        f"it multiplies the directional inertia at joint {joint} by {np.median(ratios):.2g} "
-        f"in the median (up to {ratios.max():.2g})"
-    )
+    # Set by parts: the constructor refuses what taking a wrong tensor away may leave.
+    body = pin.Inertia(robot.model.inertias[joint])
+    body.inertia -= frame.placement.rotation @ link.inertia @ frame.placement.rotation.T
+    without.inertias[joint] = body
+    for contact, place in ((Contact(joint), f"joint {joint}"), (robot.flange, "the flange")):
+        ratios = _inertia_ratios(robot, without, contact)
+        if ratios.size:
+            return (
+                f"it multiplies the directional inertia at {place} by {np.median(ratios):.2g} "
+                f"in the median (up to {ratios.max():.2g})"
+            )
+    return "the directional inertia is not defined without it"
 
 
-def _inertia_ratios(robot: Robot, other: Any, joint: int) -> NDArray[np.float64]:
+def _inertia_ratios(robot: Robot, other: Any, contact: Contact) -> NDArray[np.float64]:
     from hitjoints.dynamics.inertia import mobility
 
     rng = np.random.default_rng(0)
@@ -133,11 +146,28 @@ def _inertia_ratios(robot: Robot, other: Any, joint: int) -> NDArray[np.float64]
     for q in rng.uniform(low, high, (SAMPLES, robot.n)):
         h = rng.normal(size=3)
         h /= np.linalg.norm(h)
-        given = mobility(robot.model, robot.data, q, joint, h)
-        clean = mobility(other, data, q, joint, h)
-        if given > 0 and clean > 0:
+        try:
+            given = mobility(robot.model, robot.data, q, contact, h)
+            clean = mobility(other, data, q, contact, h)
+        except ModelError:
+            continue
+        if min(given, clean) >= MOBILITY_FLOOR:
             ratios.append(clean / given)
     return np.array(ratios)
+
+
+def _check_mass_matrix(robot: Robot) -> list[Issue]:
+    from hitjoints.dynamics.inertia import factor_mass_matrix
+
+    try:
+        factor_mass_matrix(robot.model, robot.data, robot.home)
+    except ModelError:
+        # The factorisation runs from the tip to the base: the last bad pivot is the cause.
+        bad = np.flatnonzero(~(robot.data.D > 0))[-1]
+        problem = "it carries no inertia, or a negative one"
+        effect = "the mass matrix is not positive definite: no directional inertia is defined"
+        return [Issue("error", robot.joint_names[bad], problem, effect)]
+    return []
 
 
 def _check_limits(robot: Robot) -> list[Issue]:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import threading
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.errors import InputError
+from hitjoints.errors import InputError, ModelError
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -29,7 +29,10 @@ class Contact:
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        values = np.asarray(self.offset, dtype=float)
+        try:
+            values = np.asarray(self.offset, dtype=float)
+        except (TypeError, ValueError):
+            raise InputError("offset", self.offset, "three finite numbers in metres") from None
         if values.shape != (3,) or not np.isfinite(values).all():
             raise InputError("offset", self.offset, "three finite numbers in metres")
         object.__setattr__(self, "offset", tuple(float(v) for v in values))
@@ -38,6 +41,8 @@ class Contact:
 @dataclass(frozen=True, eq=False)
 class Robot:
     """A fixed-base serial arm. Made by `load_robot`; compared by identity.
+
+    Threads may share one; processes get a copy each, by pickle.
 
     Attributes:
         name: the name it was loaded by.
@@ -50,7 +55,7 @@ class Robot:
     """
 
     name: str
-    model: Any
+    model: Any = field(repr=False)
     hitting_joints: tuple[int, ...]
     home: NDArray[np.float64]
     flange: Contact
@@ -59,7 +64,14 @@ class Robot:
     source: str = field(default="", repr=False)
     licence: str = ""
     package_directory: str = field(default="", repr=False)
-    _local: threading.local = field(default_factory=threading.local, repr=False)
+    _local: threading.local = field(default_factory=threading.local, repr=False, init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "home", _frozen(self.home))
+
+    def __reduce__(self) -> tuple[type[Robot], tuple[Any, ...]]:
+        """Pickle what it was made of: work spaces and derived models stay with their process."""
+        return type(self), tuple(getattr(self, item.name) for item in fields(self) if item.init)
 
     @property
     def n(self) -> int:
@@ -116,12 +128,19 @@ class Robot:
 
     @cached_property
     def collision_model(self) -> Any:
-        """Pinocchio's geometry of the collision shapes."""
+        """Pinocchio's geometry of the collision shapes.
+
+        Raises:
+            ModelError: a shape cannot be read, such as a mesh whose file is missing.
+        """
         import pinocchio as pin
 
-        return pin.buildGeomFromUrdfString(
-            self.model, self.xml, pin.GeometryType.COLLISION, None, [self.package_directory]
-        )
+        kind, folders = pin.GeometryType.COLLISION, [self.package_directory]
+        try:
+            return pin.buildGeomFromUrdfString(self.model, self.xml, kind, None, folders)
+        except (ValueError, RuntimeError) as error:
+            reason = f"its collision shapes cannot be read ({str(error).splitlines()[0]})"
+            raise ModelError(self.name, reason) from None
 
     @cached_property
     def digest(self) -> str:

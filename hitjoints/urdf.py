@@ -41,7 +41,7 @@ class Link:
     com: NDArray[np.float64]
     """(3,) m, in the link frame."""
     inertia: NDArray[np.float64]
-    """(3, 3) kg m^2, about the centre of mass."""
+    """(3, 3) kg m^2, about the centre of mass, along the link frame's axes."""
     moving: bool
     """The link is the child of a moving joint (not fixed to one)."""
     size: float
@@ -53,7 +53,8 @@ class Arm:
     """A URDF known to be a fixed-base serial chain."""
 
     xml: str
-    """The description with locked joints fixed and continuous joints made revolute."""
+    """The description with locked joints fixed, continuous joints made revolute, and limits that
+    are not written given as zero."""
     joints: tuple[str, ...]
     continuous: frozenset[str]
     links: tuple[Link, ...] = field(repr=False)
@@ -75,7 +76,8 @@ def read_arm(text: str, source: str, lock: Collection[str] = ()) -> Arm:
     joints = {j.get("name", ""): j for j in root.findall("joint")}
     for name in lock:
         if name not in joints:
-            raise UnknownNameError("lock", name, joints)
+            moving = [n for n, joint in joints.items() if joint.get("type") != "fixed"]
+            raise UnknownNameError("lock", name, moving)
         joints[name].set("type", "fixed")
     _check_tree(root, joints, source)
     order = _serial_order(joints, source)
@@ -83,8 +85,8 @@ def read_arm(text: str, source: str, lock: Collection[str] = ()) -> Arm:
     for name in order:
         _check_joint(joints[name], source)
     links = tuple(_read_link(link, joints, source) for link in root.findall("link"))
-    for name in continuous:
-        _bound_continuous(joints[name])
+    for name in order:
+        _complete_limit(joints[name])
     return Arm(ElementTree.tostring(root, encoding="unicode"), tuple(order), continuous, links)
 
 
@@ -97,7 +99,7 @@ def _parse(text: str, source: str) -> Element:
         raise ModelError(source, f"not a URDF: the root element is <{root.tag}>, not <robot>")
     for tag in ("link", "joint"):
         names = [element.get("name") for element in root.findall(tag)]
-        if None in names:
+        if not all(names):
             raise ModelError(source, f"a <{tag}> has no name")
         twice = [name for name, count in Counter(names).items() if count > 1]
         if twice:
@@ -114,7 +116,9 @@ def end(joint: Element, side: str) -> str:
 def _check_tree(root: Element, joints: dict[str, Element], source: str) -> None:
     links = {link.get("name", "") for link in root.findall("link")}
     children: set[str] = set()
+    below: dict[str, list[str]] = {}
     for name, joint in joints.items():
+        _check_origin(joint, source)
         for side in ("parent", "child"):
             if end(joint, side) not in links:
                 raise ModelError(
@@ -123,9 +127,20 @@ def _check_tree(root: Element, joints: dict[str, Element], source: str) -> None:
         if end(joint, "child") in children:
             raise ModelError(source, f"link {end(joint, 'child')} is the child of two joints")
         children.add(end(joint, "child"))
+        below.setdefault(end(joint, "parent"), []).append(end(joint, "child"))
     roots = sorted(links - children)
     if len(roots) != 1:
         raise ModelError(source, f"there must be one root link, not {len(roots)} {roots}")
+    reached = roots.copy()
+    for link in reached:
+        reached += below.get(link, [])
+    if loose := sorted(links.difference(reached)):
+        raise ModelError(source, f"links {loose} hang in a loop, not on the root link {roots[0]}")
+
+
+def _check_origin(joint: Element, source: str) -> None:
+    for key in ("xyz", "rpy"):
+        _vector(joint.find("origin"), key, f"joint {joint.get('name')}: origin", source)
 
 
 def _serial_order(joints: dict[str, Element], source: str) -> list[str]:
@@ -173,23 +188,31 @@ def _check_joint(joint: Element, source: str) -> None:
     if not np.linalg.norm(axis) > 0:
         raise ModelError(source, f"joint {name}: its axis is zero")
     limit = joint.find("limit")
+    where = f"joint {name}: limit"
+    for side in ("velocity", "effort"):
+        value = _number(limit, side, where, source)
+        if value < 0:
+            raise ModelError(source, f"joint {name}: its {side} limit {value:g} is negative")
     if kind == "continuous":
         return
     if limit is None:
         raise ModelError(source, f"joint {name}: it has no <limit>, which a {kind} joint needs")
-    where = f"joint {name}: limit"
     lower, upper = (_number(limit, side, where, source) for side in ("lower", "upper"))
     if lower > upper:
         raise ModelError(source, f"joint {name}: lower limit {lower:g} is above upper {upper:g}")
 
 
-def _bound_continuous(joint: Element) -> None:
-    joint.set("type", "revolute")
+def _complete_limit(joint: Element) -> None:
+    """Write what urdfdom insists on: a range, a velocity and an effort."""
     limit = joint.find("limit")
     if limit is None:
-        limit = ElementTree.SubElement(joint, "limit", velocity="0", effort="0")
-    limit.set("lower", repr(-UNBOUNDED))
-    limit.set("upper", repr(UNBOUNDED))
+        limit = ElementTree.SubElement(joint, "limit")
+    for side in ("velocity", "effort"):
+        limit.set(side, limit.get(side, "0"))
+    if joint.get("type") == "continuous":
+        joint.set("type", "revolute")
+        limit.set("lower", repr(-UNBOUNDED))
+        limit.set("upper", repr(UNBOUNDED))
 
 
 def _read_link(link: Element, joints: dict[str, Element], source: str) -> Link:
@@ -203,24 +226,38 @@ def _read_link(link: Element, joints: dict[str, Element], source: str) -> Link:
         zero = np.zeros(3)
         return Link(name, 0.0, zero, np.zeros((3, 3)), moving, float(max(reach, default=0.0)))
     where = f"link {name}: inertial"
-    mass = _number(inertial.find("mass"), "value", f"{where} mass", source)
+    mass = _number(inertial.find("mass"), "value", f"{where} mass", source, required=True)
     origin = inertial.find("origin")
-    com = _vector(origin, "xyz", where, source)
+    com = _vector(origin, "xyz", f"{where} origin", source)
+    turn = _rotation(_vector(origin, "rpy", f"{where} origin", source))
     tensor = inertial.find("inertia")
     xx, yy, zz, xy, xz, yz = (
-        _number(tensor, key, f"{where} inertia", source)
+        _number(tensor, key, f"{where} inertia", source, required=True)
         for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
     )
-    inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    inertia = turn @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ turn.T
     size = max([float(np.linalg.norm(com)), *map(float, reach)])
     return Link(name, mass, com, inertia, moving, size)
 
 
-def _number(element: Element | None, key: str, where: str, source: str) -> float:
+def _rotation(rpy: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the rotation matrix of roll, pitch and yaw about the fixed axes."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
+    roll = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+    pitch = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+    yaw = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
+    return np.asarray(yaw @ pitch @ roll)
+
+
+def _number(
+    element: Element | None, key: str, where: str, source: str, *, required: bool = False
+) -> float:
     text = None if element is None else element.get(key)
+    if text is None and required:
+        # urdfdom would drop the whole inertia of the link and go on.
+        raise ModelError(source, f"{where} has no {key}")
     if text is None:
-        # URDF's own default: a limit that is not written is zero, and so is an inertia entry.
-        return 0.0
+        return 0.0  # URDF's own default for a limit
     try:
         value = float(text)
     except ValueError:
@@ -250,7 +287,7 @@ def read_text(path: str) -> str:
         InputError: the file cannot be read as text.
     """
     try:
-        with open(path, encoding="utf-8") as file:
+        with open(path, encoding="utf-8-sig") as file:
             return file.read()
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "not a UTF-8 text file"

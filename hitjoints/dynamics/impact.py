@@ -37,8 +37,8 @@ def hitting_flux(
     Raises:
         InputError: an argument is out of its range or not a number.
     """
-    inertia, mass = _inertia(inertia), _mass(mass)
-    return _plain(_relative(speed, object_velocity) / (1.0 + mass / inertia))
+    ratio = _mass(mass) / _inertia(inertia)
+    return _plain(_relative(speed, object_velocity) / (1.0 + ratio))
 
 
 def object_speed(
@@ -77,9 +77,10 @@ def rebound(
     Returns:
         m/s, negative for a hit: the robot is slowed down.
     """
-    flux = hitting_flux(inertia, mass, speed, object_velocity=object_velocity)
-    ratio = _mass(mass) / _inertia(inertia)
-    return _plain(-(1.0 + _restitution(restitution)) * ratio * flux)
+    checked = _mass(mass)
+    share = checked / (_inertia(inertia) + checked)
+    lost = (1.0 + _restitution(restitution)) * share * _relative(speed, object_velocity)
+    return _plain(0.0 - lost)
 
 
 def required_speed(
@@ -110,7 +111,10 @@ def _numbers(name: str, values: ArrayLike) -> Any:
 
 
 def _inertia(values: ArrayLike) -> Any:
-    array = np.asarray(values, dtype=float)
+    try:
+        array = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError("inertia", values, "a number is needed") from None
     if not (array > 0).all():
         raise InputError("inertia", _offender(array, ~(array > 0)), "it must be above 0 kg")
     return array

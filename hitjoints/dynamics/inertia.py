@@ -12,14 +12,13 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.dynamics.kinematics import WORLD_ALIGNED, placement, point_jacobian
-from hitjoints.errors import InfeasibleError
-from hitjoints.robot import Contact
+from hitjoints.errors import InfeasibleError, ModelError
 from hitjoints.tolerances import MOBILITY_FLOOR
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.robot import Robot
+    from hitjoints.robot import Contact, Robot
 
 
 def inverse_inertia(robot: Robot, q: ArrayLike, contact: Contact | int) -> NDArray[np.float64]:
@@ -35,6 +34,7 @@ def inverse_inertia(robot: Robot, q: ArrayLike, contact: Contact | int) -> NDArr
 
     Raises:
         InputError: no such joint, or q of wrong shape or not finite.
+        ModelError: the mass matrix is not positive definite.
     """
     contact, q = robot.contact(contact), robot.one_configuration(q)
     model, data = robot.model, robot.data
@@ -42,13 +42,23 @@ def inverse_inertia(robot: Robot, q: ArrayLike, contact: Contact | int) -> NDArr
     factor_mass_matrix(model, data, q)
     solved = np.column_stack([pin.cholesky.solve(model, data, row) for row in jac])
     product = jac @ solved
-    return (product + product.T) / 2
+    return np.asarray((product + product.T) / 2)
 
 
 def factor_mass_matrix(model: Any, data: Any, q: NDArray[np.float64]) -> None:
-    """Leave the mass matrix M(q) and its Cholesky factors in `data`."""
+    """Leave the mass matrix M(q) and its Cholesky factors in `data`.
+
+    Raises:
+        ModelError: M is not positive definite; a link's mass or inertia is missing or wrong.
+    """
     pin.crba(model, data, q)
     pin.cholesky.decompose(model, data)
+    if not all(pivot > 0 for pivot in data.D.tolist()):
+        raise ModelError(
+            model.name,
+            "its mass matrix is not positive definite: a link's mass or inertia is missing or "
+            "wrong (hitjoints robots check names it)",
+        )
 
 
 def pull_and_response(
@@ -61,19 +71,23 @@ def pull_and_response(
 
 
 def mobility(
-    model: Any, data: Any, q: NDArray[np.float64], joint: int, h: NDArray[np.float64]
+    model: Any, data: Any, q: NDArray[np.float64], contact: Contact, h: NDArray[np.float64]
 ) -> float:
-    """Return h^T J M^-1 J^T h (1/kg) at a joint's origin: the inverse of its inertia along h."""
-    g, u = pull_and_response(model, data, q, Contact(joint), h)
+    """Return h^T J M^-1 J^T h (1/kg), the inverse of the directional inertia."""
+    g, u = pull_and_response(model, data, q, contact, h)
     return float(g @ u)
 
 
 def inertia_along(
     robot: Robot, q: NDArray[np.float64], contact: Contact, h: NDArray[np.float64]
 ) -> float:
-    """Return lambda_h = 1 / (h^T Li h) for checked arguments; errors as `hj.directional_inertia`."""
-    g, u = pull_and_response(robot.model, robot.data, q, contact, h)
-    return 1.0 / _feasible(float(g @ u), contact, h)
+    """Return lambda_h = 1 / (h^T Li h), kg, for checked arguments.
+
+    Raises:
+        InfeasibleError: the contact cannot move along h.
+        ModelError: the mass matrix is not positive definite.
+    """
+    return 1.0 / _feasible(mobility(robot.model, robot.data, q, contact, h), contact, h)
 
 
 def inertia_and_gradient_along(
@@ -94,7 +108,8 @@ def inertia_and_gradient_along(
         model, data, contact.joint, placement(contact), WORLD_ALIGNED
     )[0]
     momentum_by_q = pin.computeRNEADerivatives(robot.weightless_model, data, q, still, u)[0]
-    return inertia, -(inertia**2) * (2 * h @ velocity_by_q - u @ momentum_by_q)
+    pull_by_q = h @ velocity_by_q.reshape(3, robot.n)
+    return inertia, -(inertia**2) * (2 * pull_by_q - u @ momentum_by_q)
 
 
 def _feasible(mobility: float, contact: Contact, h: NDArray[np.float64]) -> float:

@@ -62,7 +62,8 @@ def point_jacobian(
     """Return the Jacobian of a checked contact at a checked configuration."""
     pin.computeJointJacobians(model, data, q)
     jac = pin.getFrameJacobian(model, data, contact.joint, placement(contact), WORLD_ALIGNED)
-    return np.array(jac[:3])
+    # The single column of a one-joint arm comes as a vector.
+    return np.array(jac).reshape(6, model.nv)[:3]
 
 
 def manipulability(robot: Robot, q: ArrayLike, contact: Contact | int) -> float:

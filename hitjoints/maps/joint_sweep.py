@@ -97,7 +97,9 @@ def _turn(
     return row
 
 
-def _assemble(robot: Robot, rows: list[dict[str, Any]], target: Any, h: Any, mass: float) -> Dataset:
+def _assemble(
+    robot: Robot, rows: list[dict[str, Any]], target: Any, h: Any, mass: float
+) -> Dataset:
     import xarray as xr
 
     over_angle, per_joint = ("joint", "sample"), ("joint",)

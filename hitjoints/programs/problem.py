@@ -7,22 +7,34 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hitjoints.errors import InputError
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Vector = NDArray[np.float64]
     Matrix = NDArray[np.float64]
 
+# A row whose terms are all below this share of the largest row's (or of 1, in SI units) is
+# round-off of the products it came from, such as B^T J of a singular Jacobian: about 50 eps.
+ROUNDOFF = 1e-14
+# Eigenvalues of J^T J + rho I come out this negative, relative to the largest, by round-off.
+CONVEX = 1e-10
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class Program:
     """Minimise 1/2 x^T H x + c^T x subject to A x = b, C x <= d, lower <= x <= upper.
 
     Attributes:
         c: (n,).
-        lower, upper: (n,), finite.
-        H: (n, n) positive semidefinite, or None for a linear program.
+        lower, upper: (n,), finite. Equal bounds fix a variable; crossed ones are accepted here
+            and found infeasible by the solver.
+        H: (n, n) symmetric positive semidefinite, or None for a linear program.
         A, b: (m, n), (m,); C, d: (p, n), (p,); empty when there are no such rows.
+
+    Raises:
+        InputError: shapes that do not fit, a number that is not finite, H not convex.
     """
 
     c: Vector
@@ -34,25 +46,78 @@ class Program:
     C: Matrix = field(default_factory=lambda: np.empty((0, 0)))
     d: Vector = field(default_factory=lambda: np.empty(0))
 
+    def __post_init__(self) -> None:
+        c, b, d = (np.asarray(v, dtype=float).reshape(-1) for v in (self.c, self.b, self.d))
+        n = c.size
+        shapes: dict[str, tuple[int, ...]] = {
+            "c": (n,),
+            "lower": (n,),
+            "upper": (n,),
+            "b": (b.size,),
+            "d": (d.size,),
+        }
+        shapes |= {"A": (b.size, n), "C": (d.size, n)}
+        if self.H is not None:
+            shapes["H"] = (n, n)
+        for name, shape in shapes.items():
+            value = np.asarray(getattr(self, name), dtype=float)
+            if value.size == 0 and 0 in shape:
+                value = value.reshape(shape)
+            if value.shape != shape:
+                raise InputError(name, f"shape {value.shape}", f"shape {shape} is needed")
+            if not np.isfinite(value).all():
+                raise InputError(name, value.tolist(), "every number must be finite")
+            object.__setattr__(self, name, value)
+        if self.H is not None:
+            size = float(np.abs(self.H).max(initial=0.0))
+            if np.abs(self.H - self.H.T).max(initial=0.0) > CONVEX * size:
+                raise InputError("H", self.H.tolist(), "must be symmetric")
+            if np.linalg.eigvalsh(self.H).min(initial=0.0) < -CONVEX * size:
+                raise InputError("H", self.H.tolist(), "must be positive semidefinite")
+
     @property
     def n(self) -> int:
         """Number of variables."""
         return self.c.size
 
+    @property
+    def reach(self) -> Vector:
+        """(n,) the largest magnitude each variable can take."""
+        return np.maximum(np.abs(self.lower), np.abs(self.upper))
+
     def objective(self, x: Vector) -> float:
         """Return the value minimised."""
-        quadratic = 0.0 if self.H is None else 0.5 * float(x @ self.H @ x)
-        return quadratic + float(self.c @ x)
+        return 0.5 * float(x @ self.curvature(x)) + float(self.c @ x)
+
+    def curvature(self, x: Vector) -> Vector:
+        """Return H x, (n,)."""
+        return np.zeros(self.n) if self.H is None else np.asarray(self.H @ x)
+
+    def bound_multipliers(self, x: Vector, y: Vector, z: Vector) -> Vector:
+        """Return the multipliers of the bounds that stationarity asks for, (n,).
+
+        Every variable has both bounds, so any value can be carried: > 0 by the upper, < 0 by the
+        lower one. One carried by a bound that x does not touch shows in the gap.
+        """
+        return -np.asarray(self.curvature(x) + self.c + self.A.T @ y + self.C.T @ z)
+
+    def row_sizes(self) -> tuple[Vector, Vector, float]:
+        """Return the size of each row's terms over the box, (m,) and (p,), and their round-off."""
+        equalities = np.abs(self.A) @ self.reach + np.abs(self.b)
+        inequalities = np.abs(self.C) @ self.reach + np.abs(self.d)
+        largest = max(1.0, equalities.max(initial=0.0), inequalities.max(initial=0.0))
+        return equalities, inequalities, ROUNDOFF * float(largest)
 
 
 @dataclass(frozen=True)
 class Residuals:
-    """How far a primal-dual pair is from optimal, each relative to the size of its own terms.
+    """How far a primal-dual pair is from optimal, each part relative to the size of its terms.
 
     Attributes:
-        primal: largest violation of a row (the bounds hold exactly).
-        dual: largest entry of H x + c + A^T y + C^T z + w.
-        gap: primal minus dual objective.
+        primal: largest violation of a row or bound.
+        dual: largest entry of H x + c + A^T y + C^T z + w, or an inequality's multiplier of the
+            wrong sign.
+        gap: primal minus dual objective, relative to what the cost can amount to in the box.
     """
 
     primal: float
@@ -65,15 +130,16 @@ class Residuals:
         return max(self.primal, self.dual, self.gap)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Solution:
     """A certified minimiser.
 
     Attributes:
         x: (n,), within the bounds to the last bit.
-        y, z, w: multipliers of the equalities, the inequalities (>= 0) and the bounds (its sign
-            tells which).
-        residuals: computed here from the data and this answer, whatever the solver says.
+        y, z: (m,), (p,) multipliers of the equalities and of the inequalities (>= 0).
+        w: (n,) multipliers of the bounds: > 0 for the upper, < 0 for the lower.
+        objective: the value reached at x.
+        residuals: computed from the data and this answer, whatever the solver says.
     """
 
     x: Vector
@@ -84,39 +150,47 @@ class Solution:
     residuals: Residuals
 
 
-def residuals(program: Program, x: Vector, y: Vector, z: Vector) -> tuple[Residuals, Vector]:
-    """Return the residuals of (x, y, z) and the bounds' multipliers w they imply.
+def residuals(program: Program, x: Vector, y: Vector, z: Vector, w: Vector) -> Residuals:
+    """Return how far x (n,) with the multipliers y (m,), z (p,), w (n,) is from optimal."""
+    return Residuals(
+        primal_residual(program, x),
+        dual_residual(program, x, y, z, w),
+        duality_gap(program, x, y, z, w),
+    )
 
-    The multipliers of the bounds are what stationarity leaves over, so the dual residual is the
-    part of them that no bound can carry: here none, because every variable has both bounds. What
-    is left to check is feasibility of the rows and the duality gap, in which a wrong multiplier
-    shows as a bound paid for that is not touched.
+
+def primal_residual(program: Program, x: Vector) -> float:
+    """Return the largest violation of a row or a bound by x (n,), relative to its terms."""
+    p = program
+    equal, unequal, roundoff = p.row_sizes()
+    violations = np.concatenate([np.abs(p.A @ x - p.b), p.C @ x - p.d]) - roundoff
+    outside = np.maximum(p.lower - x, x - p.upper)
+    relative = _relative(violations, np.concatenate([equal, unequal]))
+    return max(relative, _relative(outside, p.reach))
+
+
+def dual_residual(program: Program, x: Vector, y: Vector, z: Vector, w: Vector) -> float:
+    """Return the largest error of stationarity or of the multipliers' signs, relative."""
+    p = program
+    curved = 0.0 if p.H is None else np.abs(p.H) @ p.reach
+    sizes = np.abs(p.c) + curved + np.abs(p.A.T) @ np.abs(y) + np.abs(p.C.T) @ np.abs(z)
+    stationarity = _relative(np.abs(w - p.bound_multipliers(x, y, z)), sizes)
+    largest = np.full(z.size, np.abs(z).max(initial=0.0))
+    return max(stationarity, _relative(-z, largest))
+
+
+def duality_gap(program: Program, x: Vector, y: Vector, z: Vector, w: Vector) -> float:
+    """Return |primal - dual objective|, relative to the sum of the cost's terms over the box.
+
+    The dual objective is -1/2 x^T H x - b^T y - d^T z - max over the box of w^T x.
     """
     p = program
-    Hx = np.zeros(p.n) if p.H is None else p.H @ x
-    terms = [Hx, p.c]
-    primal = 0.0
-    if p.b.size:
-        terms.append(p.A.T @ y)
-        primal = max(primal, _row_error(p.A, x, p.b, np.abs(p.A @ x - p.b)))
-    dual = 0.0
-    if p.d.size:
-        terms.append(p.C.T @ z)
-        primal = max(primal, _row_error(p.C, x, p.d, p.C @ x - p.d))
-        dual = float(np.maximum(-z, 0).max()) / (1 + float(np.abs(z).max()))
-    w = -np.sum(terms, axis=0)
-    # Lagrangian bound: c x + 1/2 x H x >= -1/2 x H x - b y - d z - max over the box of w x.
-    box = np.where(w > 0, p.upper, p.lower) @ w
-    quadratic = float(x @ Hx)
-    linear = float(p.c @ x)
-    by, dz = float(p.b @ y), float(p.d @ z)
-    gap = abs(quadratic + linear + by + dz + float(box))
-    scale = 1 + max(abs(quadratic), abs(linear), abs(by), abs(dz), abs(float(box)))
-    return Residuals(primal, dual, gap / scale), w
+    paid = np.maximum(w * p.lower, w * p.upper).sum()
+    gap = abs(float(x @ p.curvature(x) + p.c @ x + p.b @ y + p.d @ z + paid))
+    curved = 0.0 if p.H is None else float(p.reach @ np.abs(p.H) @ p.reach)
+    size = float(np.abs(p.c) @ p.reach) + curved
+    return gap / size if size > 0 else gap
 
 
-def _row_error(rows: Matrix, x: Vector, right: Vector, violation: Vector) -> float:
-    """Return the largest violation relative to the terms that make up its row."""
-    scale = np.maximum(np.abs(rows) @ np.abs(x), np.abs(right))
-    scale = np.maximum(scale, np.abs(rows).max(axis=1))
-    return float((violation / np.where(scale > 0, scale, 1.0)).max(initial=0.0))
+def _relative(errors: Vector, sizes: Vector) -> float:
+    return float((errors / np.where(sizes > 0, sizes, 1.0)).max(initial=0.0))

@@ -1,0 +1,80 @@
+"""Time two things in turn and report their ratio with its spread."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+Work = Callable[[], object]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One comparison.
+
+    Attributes:
+        what: what is compared.
+        ours, peer: names of the two sides.
+        ours_time, peer_time: median seconds of one unit of work on each side.
+        ratio: median of the paired ratios named by `meaning`; low, high: their extremes.
+        meaning: "cost" is ours / peer, "gain" is peer / ours.
+        target: what the ratio should be, such as "<= 2.5".
+    """
+
+    what: str
+    ours: str
+    peer: str
+    ours_time: float
+    peer_time: float
+    ratio: float
+    low: float
+    high: float
+    meaning: str
+    target: str = ""
+
+    @property
+    def met(self) -> bool:
+        """The target is reached (or there is none)."""
+        sign, _, number = self.target.partition(" ")
+        if not number:
+            return True
+        return self.ratio <= float(number) if sign == "<=" else self.ratio >= float(number)
+
+
+def compare(
+    what: str,
+    ours: tuple[str, Work, int],
+    peer: tuple[str, Work, int],
+    *,
+    meaning: str = "gain",
+    target: str = "",
+    repeats: int = 7,
+) -> Row:
+    """Time `ours` and `peer` in turn, each given as (name, work, units of work in one call)."""
+    pairs = []
+    for work in (ours[1], peer[1]):
+        work()
+    for _ in range(repeats):
+        pairs.append((seconds(ours[1]) / ours[2], seconds(peer[1]) / peer[2]))
+    ratios = [a / b if meaning == "cost" else b / a for a, b in pairs]
+    return Row(
+        what,
+        ours[0],
+        peer[0],
+        statistics.median(a for a, _ in pairs),
+        statistics.median(b for _, b in pairs),
+        statistics.median(ratios),
+        min(ratios),
+        max(ratios),
+        meaning,
+        target,
+    )
+
+
+def seconds(work: Work) -> float:
+    """Return the wall time of one call."""
+    begin = time.perf_counter()
+    work()
+    return time.perf_counter() - begin

@@ -1,0 +1,112 @@
+"""`hitjoints sweep joint`: turn each hitting joint at the object (Fig. 2)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .options import (
+    DIRECTION,
+    MASS,
+    OBJECT,
+    ROBOT,
+    DirectionOption,
+    JointsOption,
+    JsonOption,
+    MassOption,
+    ObjectOption,
+    OutOption,
+    PlotOption,
+    RobotOption,
+    SeedOption,
+    check_mass,
+    numbers,
+)
+from .render import complain, print_json, print_table
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+
+def sweep_joint(
+    robot: RobotOption = ROBOT,
+    position: ObjectOption = OBJECT,
+    direction: DirectionOption = DIRECTION,
+    mass: MassOption = MASS,
+    joints: JointsOption = None,
+    count: Annotated[int, typer.Option("--count", help="Angles per joint.")] = 181,
+    q: Annotated[
+        str | None,
+        typer.Option("--q", metavar="Q1,Q2,...", help="Common null-space configuration (rad)."),
+    ] = None,
+    out: OutOption = None,
+    plot: PlotOption = None,
+    seed: SeedOption = 0,
+    as_json: JsonOption = False,
+) -> None:
+    """Turn each hitting joint at the object: inertia, speed and flux by its angle (Fig. 2)."""
+    import hitjoints as hj
+    from hitjoints.maps.files import DATASET_ENDINGS, check_writable, write_dataset
+    from hitjoints.show.figures import FIGURE_ENDINGS
+
+    check_mass(mass)
+    if out is not None:
+        check_writable(out, "out", DATASET_ENDINGS)
+    if plot is not None:
+        check_writable(plot, "plot", FIGURE_ENDINGS)
+    swept = hj.sweep_joint(
+        hj.load_robot(robot),
+        numbers(position),
+        numbers(direction),
+        mass,
+        joints=joints,
+        count=count,
+        start=None if q is None else numbers(q),
+        seed=seed,
+    )
+    if out is not None:
+        write_dataset(swept, out)
+    if plot is not None:
+        from hitjoints.show.figures import save_figure
+        from hitjoints.show.joint_sweep import draw_joint_sweep
+
+        save_figure(draw_joint_sweep(swept), plot)
+    if as_json:
+        print_json(_as_json(swept))
+    else:
+        _print(swept)
+    for path in (out, plot):
+        if path is not None:
+            complain("written", str(path))
+
+
+def _as_json(swept: Dataset) -> dict[str, Any]:
+    rows = []
+    for k in swept.joint.values:
+        row = swept.sel(joint=k).drop_vars(("joint", "axis"))
+        rows.append({"joint": int(k)} | {str(name): row[name].values for name in row.data_vars})
+    return {**swept.attrs, "joints": rows}
+
+
+def _print(swept: Dataset) -> None:
+    def span(row: Any, name: str) -> str:
+        low, high = float(row[name].min()), float(row[name].max())
+        return f"{low:.3g}" if high - low < 1e-9 * high else f"{low:.3g} .. {high:.3g}"
+
+    rows: list[list[object]] = []
+    for k in swept.joint.values:
+        row = swept.sel(joint=k)
+        if bool(row.reachable):
+            names = ("inertia", "speed", "straight_speed", "flux", "straight_flux")
+            rows.append([f"joint {k}", *(span(row, name) for name in names)])
+        else:
+            error = f"out of reach by {float(row.position_error):.3g} m"
+            rows.append([f"joint {k}", error, "", "", "", ""])
+    at = ", ".join(f"{v:g}" for v in swept.attrs["position"])
+    print_table(
+        f"{swept.attrs['robot']}: each joint placed at ({at}) m and turned over its range",
+        ("hit with", "inertia (kg)", "speed (m/s)", "straight", "flux (m/s)", "straight"),
+        rows,
+        caption=f"object of {swept.attrs['mass']:g} kg; least .. greatest over the joint's angle",
+    )

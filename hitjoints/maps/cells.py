@@ -1,0 +1,194 @@
+"""What a block of a workspace map holds: every quantity over sampled configurations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hitjoints.quantities import kernel_for
+from hitjoints.robot import Contact
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from hitjoints.robot import Robot
+
+    Array = NDArray[np.float64]
+
+# Per position, joint and direction. Names without an ending belong to the best configuration,
+# the one of the greatest flux, so that each can be checked at its `q`.
+PER_DIRECTION = (
+    "inertia", "inertia_min", "inertia_median", "inertia_max",
+    "speed", "speed_max", "flux", "flux_median",
+    "straight_speed", "straight_flux", "away", "away_flux",
+)  # fmt: skip
+ROWS_AT_ONCE = 200_000  # configurations in memory at a time
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked at every position.
+
+    Attributes:
+        robot: the arm.
+        contacts: hitting joints or contact points.
+        directions: (D, 3) unit vectors.
+        mass: of the object, kg.
+        samples: configurations tried per position and joint.
+        seed: of those.
+    """
+
+    robot: Robot
+    contacts: tuple[Contact, ...]
+    directions: Array
+    mass: float
+    samples: int
+    seed: int
+
+    @property
+    def positions_at_once(self) -> int:
+        """Positions whose samples fit in memory together."""
+        return max(1, ROWS_AT_ONCE // self.samples)
+
+
+def evaluate(
+    question: Question, positions: Array, numbers: NDArray[np.int64], threads: int | None = None
+) -> dict[str, Array]:
+    """Answer a question at some positions.
+
+    Args:
+        question: what to compute.
+        positions: (P, 3) m.
+        numbers: (P,) of each position in the whole map: the random numbers hang on it, so the
+            answer does not depend on how the map is cut.
+        threads: see `hj.place_joint`.
+
+    Returns:
+        `reachable` (K, P), the share of samples that reach the position; `q` (K, D, P, n) and the
+        names of `PER_DIRECTION`, (K, D, P); nan where the position is out of reach.
+    """
+    step = question.positions_at_once
+    parts = [
+        [
+            _evaluate(question, contact, positions[i : i + step], numbers[i : i + step], threads)
+            for i in range(0, len(positions), step)
+        ]
+        for contact in question.contacts
+    ]
+    return {
+        name: np.stack([np.concatenate([p[name] for p in row], axis=_axis(name)) for row in parts])
+        for name in parts[0][0]
+    }
+
+
+def _axis(name: str) -> int:
+    """Return which axis of one contact's result counts the positions."""
+    return 0 if name == "reachable" else 1
+
+
+def _evaluate(
+    question: Question,
+    contact: Contact,
+    positions: Array,
+    numbers: NDArray[np.int64],
+    threads: int | None,
+) -> dict[str, Array]:
+    robot, directions, samples = question.robot, question.directions, question.samples
+    shape = (len(directions), len(positions))
+    result: dict[str, Array] = {name: np.full(shape, np.nan) for name in PER_DIRECTION}
+    result["q"] = np.full((*shape, robot.n), np.nan)
+    result["reachable"] = np.zeros(len(positions))
+    q, solved, where = _sample(question, contact, positions, numbers, threads)
+    if not where.size:
+        return result
+    result["reachable"][where] = solved.mean(axis=1)
+    rows = q.reshape(-1, robot.n)
+    kernel = kernel_for(robot, (contact,), ("inertia", "speed", "flux"))
+    straight = kernel_for(robot, (contact,), ("straight_speed", "straight_flux"))
+    outward = _outward(robot, contact, rows, threads).reshape(-1, samples, 3)
+    each = np.arange(where.size)
+    for d, h in enumerate(directions):
+        values = kernel(rows, h, question.mass, threads=threads)
+        inertia, speed, flux = (
+            np.where(solved, values[name][0].reshape(solved.shape), np.nan)
+            for name in ("inertia", "speed", "flux")
+        )
+        away = solved & (outward @ h < 0)
+        best = np.nanargmax(flux, axis=1)
+        chosen = np.ascontiguousarray(q[each, best])
+        along = straight(chosen, h, question.mass, threads=threads)
+        ordered, flux_ordered = np.sort(inertia, axis=1), np.sort(flux, axis=1)
+        count = solved.sum(axis=1)
+        found = {
+            "inertia": inertia[each, best],
+            "inertia_min": ordered[:, 0],
+            "inertia_median": _median(ordered, count),
+            "inertia_max": ordered[each, count - 1],
+            "speed": speed[each, best],
+            "speed_max": np.nanmax(speed, axis=1),
+            "flux": flux[each, best],
+            "flux_median": _median(flux_ordered, count),
+            "straight_speed": along["straight_speed"][0],
+            "straight_flux": along["straight_flux"][0],
+            "away": away.any(axis=1).astype(float),
+            "away_flux": _greatest(flux, away),
+            "q": chosen,
+        }
+        for name, value in found.items():
+            result[name][d, where] = value
+    return result
+
+
+def _sample(
+    question: Question,
+    contact: Contact,
+    positions: Array,
+    numbers: NDArray[np.int64],
+    threads: int | None,
+) -> tuple[Array, NDArray[np.bool_], NDArray[np.int64]]:
+    """Return q (R, S, n), solved (R, S) at the R positions that can be reached, and which."""
+    from hitjoints.kernels import place
+
+    robot, samples = question.robot, question.samples
+    point = (contact.joint, contact.offset)
+
+    def attempt(targets: Array, rows: NDArray[np.int64]) -> tuple[Array, NDArray[np.bool_]]:
+        placed = place(robot.model, point, targets, seed=question.seed, rows=rows, threads=threads)
+        return placed.q, placed.solved
+
+    # One sample decides whether the position can be reached: most of a map often cannot.
+    first = numbers * samples
+    q0, solved0 = attempt(positions, first)
+    where = np.flatnonzero(solved0)
+    q = np.empty((where.size, samples, robot.n))
+    solved = np.ones((where.size, samples), dtype=bool)
+    q[:, 0] = q0[where]
+    if samples > 1 and where.size:
+        rows = (first[where, None] + np.arange(1, samples)).ravel()
+        more, ok = attempt(np.repeat(positions[where], samples - 1, axis=0), rows)
+        q[:, 1:] = more.reshape(where.size, samples - 1, robot.n)
+        solved[:, 1:] = ok.reshape(where.size, samples - 1)
+    return q, solved, where
+
+
+def _outward(robot: Robot, contact: Contact, rows: Array, threads: int | None) -> Array:
+    """Return chi_{k+1} - chi_k (N, 3) of Eq. 14; beyond the last joint comes the flange."""
+    k = contact.joint
+    following = Contact(k + 1) if k < robot.n else robot.flange
+    kernel = kernel_for(robot, (Contact(k), following), ("position",))
+    ends = kernel(rows, np.array([1.0, 0.0, 0.0]), threads=threads)["position"]
+    return np.asarray(ends[1] - ends[0])
+
+
+def _median(ordered: Array, count: NDArray[np.int64]) -> Array:
+    """Return the median of each row's first `count` values, the rest being nan."""
+    each = np.arange(len(ordered))
+    return np.asarray((ordered[each, (count - 1) // 2] + ordered[each, count // 2]) / 2)
+
+
+def _greatest(values: Array, chosen: NDArray[np.bool_]) -> Array:
+    """Return the greatest chosen value of each row, nan where none is."""
+    greatest = np.where(chosen, values, -np.inf).max(axis=1)
+    return np.where(chosen.any(axis=1), greatest, np.nan)

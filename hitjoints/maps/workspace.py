@@ -1,0 +1,123 @@
+"""Maps of inertia, speed and flux over object positions: `sweep_workspace`."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hitjoints.errors import InputError
+from hitjoints.maps.cells import Question
+from hitjoints.maps.grid import make_grid
+from hitjoints.maps.schedule import run_blocks
+from hitjoints.maps.store import MapStore
+from hitjoints.vectors import unit
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+    from xarray import DataArray, Dataset
+
+    from hitjoints.robot import Contact, Robot
+
+POSITIONS_PER_BLOCK = 500  # what a kill can cost, and the finest grain of a cluster's work
+Progress = Callable[[int, int], None]
+
+
+def sweep_workspace(
+    robot: Robot,
+    x: ArrayLike,
+    y: ArrayLike,
+    z: ArrayLike,
+    directions: ArrayLike,
+    mass: float,
+    *,
+    joints: Iterable[Contact | int] | None = None,
+    samples: int = 100,
+    seed: int = 0,
+    out: str | Path | None = None,
+    scheduler: str | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+    command: str = "",
+) -> Dataset:
+    """Map a grid of object positions by sampling each hitting joint's self-motion there.
+
+    At every position each joint is placed by `samples` random inverse-kinematics solutions (Eq. 8;
+    the joints beyond the hitting joint are drawn within their limits), and inertia, speed (Eq. 9)
+    and flux (Eq. 10) are evaluated at each.
+
+    Args:
+        robot: the arm.
+        x, y, z: coordinates of the grid, ascending, m.
+        directions: (3,) or (D, 3) hitting directions.
+        mass: of the object, kg.
+        joints: hitting joints or contacts; the robot's own when not given.
+        samples: configurations per position and joint.
+        seed: of the configurations. The map depends on nothing else: not on threads, on the
+            scheduler, or on interruptions.
+        out: path of the Zarr store; a run that was killed goes on where it stopped. A temporary
+            one, held in memory afterwards, when not given.
+        scheduler: address of a Dask scheduler (extra `dask`).
+        threads: threads of this process; all available processors when not given.
+        progress: called with (positions done, positions in all) after every block.
+        command: what to write into the store as its origin.
+
+    Returns:
+        A data set over (joint, direction, x, y, z). `flux`, `inertia`, `speed`, `straight_speed`,
+        `straight_flux` and `q` belong to the sample of the greatest flux; `inertia_min`,
+        `inertia_median`, `inertia_max`, `speed_max`, `flux_median` to all; `away` tells whether a
+        sample points its distal links away from the object (Eq. 14), `away_flux` the greatest flux
+        among those; `reachable` (joint, x, y, z) is the share of samples that reach the position.
+        nan where none does.
+
+    Raises:
+        InputError: an argument cannot be used, or `out` holds another map.
+    """
+    if not (np.isfinite(mass) and mass > 0):
+        raise InputError("mass", mass, "an object weighs more than 0 kg")
+    if samples < 1:
+        raise InputError("samples", samples, "at least 1 configuration per position")
+    contacts = tuple(robot.contact(k) for k in (joints or robot.hitting_joints))
+    if len(set(contacts)) < len(contacts):
+        raise InputError("joint", [c.joint for c in contacts], "each joint once")
+    h = np.atleast_2d(unit(directions))
+    question = Question(robot, contacts, h, float(mass), samples, seed)
+    grid = make_grid(x, y, z, POSITIONS_PER_BLOCK)
+
+    def fill(path: Path) -> Path:
+        store = MapStore(path, question, grid, command)
+        missing = store.missing()
+        total = int(np.prod(grid.shape))
+        done = total - sum(len(grid.positions(index)[0]) for index in missing)
+        for index, values in run_blocks(
+            question, grid, missing, scheduler=scheduler, threads=threads
+        ):
+            store.write(index, values)
+            done += len(grid.positions(index)[0])
+            if progress is not None:
+                progress(done, total)
+        return path
+
+    if out is not None:
+        return open_map(fill(Path(out)))
+    with tempfile.TemporaryDirectory() as scratch:
+        return open_map(fill(Path(scratch) / "map.zarr")).load()
+
+
+def open_map(path: str | Path) -> Dataset:
+    """Open a map written by `sweep_workspace`; values are read when they are used."""
+    import xarray as xr
+
+    dataset: Dataset = xr.open_zarr(path, chunks=None, consolidated=False)
+    return dataset.drop_vars("done").set_coords("direction_vector")
+
+
+def best_joint(dataset: Dataset, quantity: str = "flux") -> DataArray:
+    """Return the joint of the greatest `quantity` at each position and direction, nan for none."""
+    values = dataset[quantity]
+    best = values.fillna(-np.inf).argmax("joint")
+    joints = dataset.joint.values[best.values].astype(float)
+    return best.copy(data=joints).where(values.notnull().any("joint"))

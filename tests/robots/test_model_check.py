@@ -1,0 +1,205 @@
+"""The model check finds numbers no arm can have, says what they spoil, and leaves real arms be."""
+
+import re
+import warnings
+from importlib import resources
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from hitjoints.dynamics.inertia import inertia_along, inverse_inertia
+from hitjoints.errors import ModelError
+from hitjoints.loading import ModelWarning, describe, load_robot
+from hitjoints.modelcheck import check_description
+from hitjoints.robot import Contact
+
+PHANTOM = (
+    '<link name="flange"><inertial><mass value="1e-6"/>'
+    '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+)
+
+
+def issues_of(path, *, quiet=True, **options):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore" if quiet else "error")
+        robot = load_robot(path, **options)
+    return check_description(describe(path, **options), robot)
+
+
+@pytest.fixture
+def last_link(urdf):
+    """Return the issues of a three-joint arm whose last link is as given."""
+
+    def check(xml_of_link):
+        joints = [
+            urdf.joint("joint_1", "base", "link_1"),
+            urdf.joint("joint_2", "link_1", "link_2", rpy="1.2 0 0"),
+            urdf.joint("joint_3", "link_2", "link_3", rpy="-0.8 0 0"),
+        ]
+        links = [urdf.link("link_1"), urdf.link("link_2"), xml_of_link]
+        return issues_of(urdf.write(urdf.robot(urdf.base, *links, *joints)))
+
+    return check
+
+
+@pytest.fixture
+def phantom(urdf):
+    clean = (resources.files("hitjoints.robots") / "iiwa14.urdf").read_text()
+    assert '<link name="flange"/>' in clean
+    return urdf.write(clean.replace('<link name="flange"/>', PHANTOM), "iiwa14_phantom.urdf")
+
+
+def test_a_plain_arm_has_no_issues(last_link, urdf):
+    assert last_link(urdf.link("link_3")) == []
+
+
+def test_phantom_inertia_is_measured(phantom, arm):
+    with pytest.warns(ModelWarning, match="iiwa14_phantom: flange: radius of gyration 1e\\+03 m"):
+        robot = load_robot(phantom)
+    (issue,) = issues_of(phantom)
+    assert (issue.severity, issue.link) == ("error", "flange")
+    assert "from a mass of 1e-06 kg" in issue.problem
+    found = re.search(r"at joint 7 by ([\d.]+) in the median \(up to ([\d.]+)\)", issue.effect)
+    median, most = map(float, found.groups())
+    assert 2.0 < median < 2.4
+    assert most > 4
+    # The same ratio, measured here on other configurations.
+    rng, ratios = np.random.default_rng(5), []
+    for q in rng.uniform(robot.lower, robot.upper, (300, 7)):
+        h = rng.normal(size=3)
+        h /= np.linalg.norm(h)
+        good, bad = (inertia_along(r, q, Contact(7), h) for r in (arm("iiwa14"), robot))
+        ratios.append(bad / good)
+    assert np.median(ratios) == pytest.approx(median, rel=0.1)
+
+
+def test_effect_of_a_turned_tensor_is_that_of_the_link(urdf):
+    """Taking the link's tensor away must leave exactly the rest, however its origin is turned."""
+    big = urdf.link("tool", mass=1e-6, com=(0, 0, 0), moments=(0.1, 1, 1), rpy='rpy="0.7 0.4 1.9"')
+    mount = urdf.joint("mount", "link_2", "tool", "fixed", at="0 0 0", rpy="0.2 -0.3 0.4")
+    xml = urdf.two_links(rpy="1.2 0 0")
+    bad = urdf.write(xml.replace("</robot>", big + mount + "</robot>"))
+    (issue,) = issues_of(bad)
+    assert issue.link == "tool"
+    factor = float(re.search(r"by ([\d.]+) in the median", issue.effect)[1])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        given = load_robot(bad)
+    clean = urdf.load(xml)
+    rng, ratios = np.random.default_rng(0), []
+    for q in rng.uniform(-1, 1, (100, 2)):
+        h = rng.normal(size=3)
+        h /= np.linalg.norm(h)
+        ratios.append(
+            inertia_along(given, q, Contact(2), h) / inertia_along(clean, q, Contact(2), h)
+        )
+    assert factor == pytest.approx(np.median(ratios), rel=0.05)
+
+
+def test_inertia_that_is_not_positive_definite(last_link, urdf):
+    (issue,) = last_link(urdf.link("link_3", moments=(0.01, 0.01, -0.001)))
+    assert issue.severity == "error"
+    assert issue.problem.startswith("inertia not positive definite: principal moments -0.001,")
+    assert "directional inertia at joint 3 by" in issue.effect
+    products = last_link(urdf.link("link_3", products=(0.02, 0, 0)))
+    assert "not positive definite: principal moments -0.01, 0.01, 0.03" in products[0].problem
+
+
+def test_triangle_inequality(last_link, urdf):
+    (issue,) = last_link(urdf.link("link_3", moments=(0.001, 0.001, 0.01)))
+    assert issue.severity == "error"
+    assert "triangle inequality violated: principal moments 0.001, 0.001, 0.01" in issue.problem
+    # A flat plate meets it with equality.
+    assert last_link(urdf.link("link_3", moments=(0.005, 0.005, 0.01))) == []
+
+
+def test_zero_mass(last_link, urdf):
+    first, second = last_link('<link name="link_3"/>')
+    assert (first.severity, first.link) == ("error", "joint_3")
+    assert "mass matrix is not positive definite" in first.effect
+    assert (second.severity, second.link, second.problem) == ("warning", "link_3", "zero mass")
+    (issue,) = last_link(urdf.link("link_3", mass=0))
+    assert issue.severity == "error"
+    assert issue.problem.startswith("zero mass with principal moments 0.01,")
+
+
+def test_negative_mass(last_link, urdf):
+    found = last_link(urdf.link("link_3", mass=-1))
+    assert {issue.severity for issue in found} == {"error"}
+    assert found[0].problem == "negative mass -1 kg"
+
+
+def test_mass_without_a_tensor_is_a_warning(last_link, urdf):
+    (issue,) = last_link(urdf.link("link_3", moments=(0, 0, 0)))
+    assert (issue.severity, issue.effect) == ("warning", "it deserves a second look")
+    assert issue.problem == "zero inertia tensor with a mass of 1 kg"
+
+
+def test_out_of_proportion_is_a_warning(last_link, urdf):
+    (issue,) = last_link(urdf.link("link_3", moments=(0.04, 0.04, 0.04)))
+    assert issue.severity == "warning"
+    assert "radius of gyration 0.2 m is out of proportion to a link" in issue.problem
+
+
+def test_wrong_link_near_the_base_is_measured_at_the_flange(urdf):
+    """The origin of joint 1 cannot move: noise divided by noise is no effect."""
+    clean = (resources.files("hitjoints.robots") / "iiwa14.urdf").read_text()
+    wrong = clean.replace('iyy="0.09" iyz="0" izz="0.02"', 'iyy="0.09" iyz="0" izz="9"')
+    assert wrong != clean
+    (issue,) = issues_of(urdf.write(wrong))
+    assert issue.link == "link_1"
+    factor, most = re.search(r"at the flange by (\S+) .*\(up to (\S+)\)", issue.effect).groups()
+    assert 1 <= float(factor) < float(most) < 1e3
+
+
+def test_base_inertia_plays_no_part(urdf):
+    base = urdf.link("base", mass=-5, moments=(-1, 0, 0))
+    xml = urdf.two_links().replace(urdf.base, base)
+    assert issues_of(urdf.write(xml), quiet=False) == []
+
+
+def test_limits(urdf):
+    zero = '<limit lower="0.5" upper="0.5" velocity="0" effort="0"/>'
+    found = issues_of(urdf.write(urdf.two_links(more=zero)), quiet=False)
+    assert [issue.severity for issue in found] == ["warning", "warning", "note"]
+    assert {issue.link for issue in found} == {"joint_2"}
+    assert [issue.problem for issue in found] == [
+        "zero or missing velocity limit",
+        "equal lower and upper position limits",
+        "zero or missing effort limit",
+    ]
+    assert "counts as locked" in found[0].effect
+
+
+def test_issue_in_words_and_by_name(urdf):
+    zero = '<limit lower="-1" upper="1" velocity="0" effort="3"/>'
+    (issue,) = issues_of(urdf.write(urdf.two_links(more=zero)))
+    assert set(issue.as_dict()) == {"severity", "link", "problem", "effect"}
+    assert str(issue) == f"joint_2: {issue.problem}; {issue.effect}"
+
+
+@pytest.mark.parametrize("name", ["panda", "kinova", "ur10_robot", "talos_left_arm", "so101"])
+def test_real_arms_have_no_errors(name):
+    assert all(issue.severity != "error" for issue in issues_of(name, quiet=False))
+
+
+def test_a_massless_tip_is_an_error_not_a_nan(urdf):
+    xml = urdf.two_links().replace(urdf.link("link_2"), '<link name="link_2"/>')
+    with pytest.warns(ModelWarning, match="joint_2: it carries no inertia"):
+        robot = urdf.load(xml)
+    q, h = np.array([0.1, 0.2]), np.array([0.0, 1.0, 0.0])
+    for ask in (
+        lambda: inertia_along(robot, q, Contact(2), h),
+        lambda: inverse_inertia(robot, q, 2),
+    ):
+        with pytest.raises(ModelError, match="mass matrix is not positive definite"):
+            ask()
+
+
+def test_a_mass_fixed_to_a_massless_link_is_fine(urdf):
+    hand = urdf.link("hand") + urdf.joint("mount", "link_2", "hand", "fixed", at="0.1 0 0")
+    xml = urdf.two_links().replace(urdf.link("link_2"), '<link name="link_2"/>')
+    robot = urdf.load(xml.replace("</robot>", hand + "</robot>"))
+    assert pin.crba(robot.model, robot.model.createData(), robot.home)[1, 1] > 0
+    assert inertia_along(robot, robot.home, Contact(2), np.array([0.0, 1.0, 0.0])) > 0

@@ -1,0 +1,111 @@
+"""A robot's TOML adds facts to a URDF; what is wrong in it is said."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from hitjoints.dynamics.inertia import inertia_along
+from hitjoints.errors import InputError, ModelError, UnknownNameError
+from hitjoints.loading import load_robot
+from hitjoints.robot import Contact
+
+
+@pytest.fixture
+def toml(urdf):
+    """Load a TOML of these lines beside a two-link URDF with a tool."""
+    tool = urdf.link("tool", mass=0.2) + urdf.joint("mount", "link_2", "tool", "fixed", at="0 0 .2")
+    urdf.write(urdf.two_links().replace("</robot>", tool + "</robot>"))
+
+    def load(*lines, urdf_line='urdf = "small.urdf"', **options):
+        return load_robot(urdf.write("\n".join([urdf_line, *lines]), "arm.toml"), **options)
+
+    return load
+
+
+def test_defaults(toml):
+    robot = toml()
+    assert robot.name == robot.title == "arm"
+    assert robot.flange == Contact(2)
+    np.testing.assert_array_equal(robot.home, [0, 0])
+    np.testing.assert_array_equal(robot.model.armature, [0, 0])
+
+
+def test_facts_are_taken(toml):
+    robot = toml(
+        'name = "hitter"', 'title = "The Hitter"', 'licence = "MIT"', 'source = "a\\n   b"',
+        "hitting_joints = [2]", "home = [0.5, -0.25]", 'flange = "tool"',
+    )  # fmt: skip
+    assert (robot.name, robot.title, robot.licence) == ("hitter", "The Hitter", "MIT")
+    assert robot.source == "a b"
+    assert robot.hitting_joints == (2,)
+    np.testing.assert_array_equal(robot.home, [0.5, -0.25])
+    assert robot.flange == Contact(2, (0, 0, 0.2))
+
+
+def test_locks_of_file_and_caller_add_up(toml):
+    assert toml('lock = ["joint_2"]').joint_names == ["joint_1"]
+    with pytest.raises(ModelError, match="no moving joint"):
+        toml('lock = ["joint_2"]', lock=["joint_1"])
+
+
+def test_armature_enters_the_mass_matrix_and_the_inertia(toml):
+    plain, geared = toml(), toml("armature = [0.5, 0.25]")
+    q, h = np.array([0.3, 0.4]), np.array([0.0, 1.0, 0.0])
+    matrices = [pin.crba(r.model, r.model.createData(), q) for r in (plain, geared)]
+    np.testing.assert_allclose(matrices[1] - matrices[0], np.diag([0.5, 0.25]), atol=1e-15)
+    contact = Contact(2, (0.2, 0.1, 0.0))
+    pull = pin.getFrameJacobian
+    data = geared.model.createData()
+    pin.computeJointJacobians(geared.model, data, q)
+    place = pin.SE3(np.eye(3), np.array(contact.offset))
+    g = h @ pull(geared.model, data, 2, place, pin.LOCAL_WORLD_ALIGNED)[:3]
+    expected = 1 / (g @ np.linalg.solve(matrices[1], g))
+    assert inertia_along(geared, q, contact, h) == pytest.approx(expected, rel=1e-13)
+    assert inertia_along(geared, q, contact, h) > inertia_along(plain, q, contact, h)
+    assert geared.digest != plain.digest
+
+
+REFUSED = {
+    "speed = 1": "unknown key 'speed'; the keys are name, title, urdf,",
+    "armature = [0.1]": "armature = [0.1] must be 2 finite numbers",
+    "armature = [[0, 1], [2]]": "must be 2 finite numbers",
+    "armature = [0, inf]": "must be 2 finite numbers",
+    "armature = [0, -0.1]": "must not be negative",
+    "armature = 0.1": "armature = 0.1 must be a list",
+    "home = [2, 0]": "home = [2.,0.]: joint 1 is at 2, outside its limits [-1, 1]",
+    "home = [nan, 0]": "home = [nan, 0] must be 2 finite numbers",
+    "home = [0]": "home = [0] must be 2 finite numbers",
+    'home = ["a", "b"]': "must be 2 finite numbers",
+    'flange = "ghost"': "flange 'ghost' is no frame on the last joint; choose one of ['joint_2', ",
+    'flange = "link_1"': "flange 'link_1' is no frame on the last joint",
+    "flange = 3": "flange = 3 must be text",
+    "hitting_joints = [3]": "hitting_joints = (3,) must be joints from 1 to 2",
+    "hitting_joints = [0]": "must be joints from 1 to 2",
+    "hitting_joints = [true]": "must be joints from 1 to 2",
+    "hitting_joints = [1.5]": "must be joints from 1 to 2",
+    "hitting_joints = []": "must be joints from 1 to 2",
+    "hitting_joints = 2": "hitting_joints = 2 must be a list",
+    "name = 5": "name = 5 must be text",
+    'lock = "joint_1"': "lock = 'joint_1' must be a list",
+    "lock = [1]": "lock = [1] must be names of joints",
+    "home = = 3": "not a TOML file",
+}
+
+
+@pytest.mark.parametrize("line", REFUSED)
+def test_refused(toml, line):
+    with pytest.raises(ModelError) as caught:
+        toml(line)
+    assert REFUSED[line] in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_urdf_must_be_named_and_exist(toml):
+    with pytest.raises(ModelError, match="the key 'urdf' must name the URDF file"):
+        toml(urdf_line="")
+    with pytest.raises(InputError, match=r"ghost\.urdf: No such file"):
+        toml(urdf_line='urdf = "ghost.urdf"')
+    with pytest.raises(InputError, match=r"ghost\.urdf: No such file"):
+        toml(urdf_line='urdf = "example-robot-data:ghost.urdf"')
+    with pytest.raises(UnknownNameError, match="choose one of joint_1, joint_2"):
+        toml('lock = ["ghost"]')
