@@ -58,7 +58,8 @@ def _cell(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return f"{value:.4g}" if math.isfinite(value) else "-"
+        # A gradient of 1e-17 is a zero that was computed.
+        return f"{round(value, 12):.4g}" if math.isfinite(value) else "-"
     if hasattr(value, "__iter__"):
         return ", ".join(_cell(item) for item in value)
     return str(value)

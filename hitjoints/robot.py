@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.errors import InputError, ModelError
+from hitjoints.vectors import all_finite
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -37,10 +38,21 @@ class Contact:
             raise InputError("offset", self.offset, "three finite numbers in metres")
         object.__setattr__(self, "offset", tuple(float(v) for v in values))
 
+    @cached_property
+    def placement(self) -> Any:
+        """The contact point's frame in its joint's frame, pin.SE3."""
+        import pinocchio as pin
+
+        return pin.SE3(np.eye(3), np.array(self.offset))
+
+    def __reduce__(self) -> tuple[type[Contact], tuple[Any, ...]]:
+        """Pickle what it was made of."""
+        return type(self), (self.joint, self.offset)
+
 
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """A fixed-base serial arm. Made by `load_robot`; compared by identity.
+    """A fixed-base serial arm. Made by `load_robot`; equal when every quantity is.
 
     Threads may share one; processes get a copy each, by pickle.
 
@@ -72,6 +84,16 @@ class Robot:
     def __reduce__(self) -> tuple[type[Robot], tuple[Any, ...]]:
         """Pickle what it was made of: work spaces and derived models stay with their process."""
         return type(self), tuple(getattr(self, item.name) for item in fields(self) if item.init)
+
+    def __eq__(self, other: object) -> bool:
+        """Tell whether two robots give the same numbers, such as a robot and its pickled copy."""
+        if not isinstance(other, Robot):
+            return NotImplemented
+        return (self.name, self.digest, self.flange) == (other.name, other.digest, other.flange)
+
+    def __hash__(self) -> int:
+        """Return a hash that equal robots share."""
+        return hash(self.digest)
 
     @property
     def n(self) -> int:
@@ -107,6 +129,11 @@ class Robot:
     def effort(self) -> NDArray[np.float64]:
         """Effort limits, (n,) N m."""
         return _frozen(self.model.upperEffortLimit)
+
+    @cached_property
+    def still(self) -> NDArray[np.float64]:
+        """Zero joint velocities, (n,)."""
+        return _frozen(np.zeros(self.n))
 
     @property
     def data(self) -> Any:
@@ -149,12 +176,18 @@ class Robot:
         parts += [np.ascontiguousarray(a).tobytes() for a in (self.model.armature, self.lower)]
         return hashlib.sha256(b"\0".join(parts)).hexdigest()[:16]
 
+    @cached_property
+    def _origins(self) -> dict[int, Contact]:
+        return {joint: Contact(joint) for joint in range(1, self.n + 1)}
+
     def contact(self, contact: Contact | int) -> Contact:
         """Return `contact` as a Contact of this robot; a plain number is that joint's origin.
 
         Raises:
             InputError: there is no such joint.
         """
+        if type(contact) is int and contact in self._origins:
+            return self._origins[contact]
         if not isinstance(contact, Contact):
             contact = Contact(contact)
         joint = contact.joint
@@ -180,7 +213,7 @@ class Robot:
                 f"{self.name} takes {self.n} joint positions (or rows of them), "
                 f"this has shape {array.shape}",
             )
-        if not np.isfinite(array).all():
+        if not all_finite(array):
             raise InputError(argument, _brief(array), "every joint position must be finite")
         return array
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pinocchio as pin
 
-from hitjoints.dynamics.kinematics import WORLD_ALIGNED, placement, point_jacobian
+from hitjoints.dynamics.kinematics import WORLD_ALIGNED, point_jacobian
 from hitjoints.errors import InfeasibleError, ModelError
 from hitjoints.tolerances import MOBILITY_FLOOR
 
@@ -101,11 +101,11 @@ def inertia_and_gradient_along(
     model, data = robot.model, robot.data
     g, u = pull_and_response(model, data, q, contact, h)
     inertia = 1.0 / _feasible(float(g @ u), contact, h)
-    still = np.zeros(robot.n)
+    still = robot.still
     pin.computeForwardKinematicsDerivatives(model, data, q, u, still)
     # Of Pinocchio's velocity derivatives only the one of a point is d(J u)/dq.
     velocity_by_q = pin.getPointVelocityDerivatives(
-        model, data, contact.joint, placement(contact), WORLD_ALIGNED
+        model, data, contact.joint, contact.placement, WORLD_ALIGNED
     )[0]
     momentum_by_q = pin.computeRNEADerivatives(robot.weightless_model, data, q, still, u)[0]
     pull_by_q = h @ velocity_by_q.reshape(3, robot.n)

@@ -19,11 +19,6 @@ if TYPE_CHECKING:
 WORLD_ALIGNED = pin.LOCAL_WORLD_ALIGNED
 
 
-def placement(contact: Contact) -> Any:
-    """Return the contact point's frame in its joint's frame, as pin.SE3."""
-    return pin.SE3(np.eye(3), np.array(contact.offset))
-
-
 def position(robot: Robot, q: ArrayLike, contact: Contact | int) -> NDArray[np.float64]:
     """Return the contact point chi_k(q).
 
@@ -61,9 +56,9 @@ def point_jacobian(
 ) -> NDArray[np.float64]:
     """Return the Jacobian of a checked contact at a checked configuration."""
     pin.computeJointJacobians(model, data, q)
-    jac = pin.getFrameJacobian(model, data, contact.joint, placement(contact), WORLD_ALIGNED)
+    jac = pin.getFrameJacobian(model, data, contact.joint, contact.placement, WORLD_ALIGNED)
     # The single column of a one-joint arm comes as a vector.
-    return np.array(jac).reshape(6, model.nv)[:3]
+    return np.asarray(jac).reshape(6, model.nv)[:3]
 
 
 def manipulability(robot: Robot, q: ArrayLike, contact: Contact | int) -> float:

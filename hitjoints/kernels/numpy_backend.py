@@ -9,7 +9,7 @@ import numpy as np
 
 from hitjoints.kernels.trace import Program
 
-BLOCK = 2048
+BLOCK = 4096
 """Rows per block: long enough to hide the call, short enough for the live values to stay in cache."""
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -65,10 +65,9 @@ class NumpyProgram:
         program: what to run.
     """
 
-    lanes = 1
 
     def __init__(self, program: Program) -> None:
-        self.program = program
+        self.program, self.lanes = program, 1
         self.register, self.registers = assign_registers(program)
 
     def __call__(self, inputs: list[Array], out: Array, start: int, stop: int) -> None:

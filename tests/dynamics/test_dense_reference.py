@@ -11,10 +11,10 @@ from hitjoints.robot import Contact
 ROBOTS = ["iiwa14", "iiwa7", "panda", "xarm7"]
 JOINTS = [4, 5, 6, 7]
 CONFIGURATIONS = 1000
-# A fourth-order difference errs by a truncation of about FIFTH s^4 and a round-off of about eps / s,
-# with s the step over the distance on which the function changes and FIFTH what nearly straight
-# arms make of its fifth derivative. The sum is least where the two are equal, at about 2e-12; the
-# tolerance leaves room for derivatives a hundred times larger.
+# A fourth-order difference errs by a truncation of about FIFTH s^4 and a round-off of about
+# eps / s, with s the step over the distance on which the function changes and FIFTH what nearly
+# straight arms make of its fifth derivative. The sum is least where the two are equal, at about
+# 2e-12; the tolerance leaves room for derivatives a hundred times larger.
 FIFTH = 1e4
 STEP = (np.finfo(float).eps / FIFTH) ** 0.2
 TOLERANCE = 1e-9

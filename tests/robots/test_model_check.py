@@ -77,12 +77,12 @@ def test_phantom_inertia_is_measured(phantom, arm):
 def test_effect_of_a_turned_tensor_is_that_of_the_link(urdf):
     """Taking the link's tensor away must leave exactly the rest, however its origin is turned."""
     big = urdf.link("tool", mass=1e-6, com=(0, 0, 0), moments=(0.1, 1, 1), rpy='rpy="0.7 0.4 1.9"')
-    mount = urdf.joint("mount", "link_2", "tool", "fixed", at="0 0 0", rpy="0.2 -0.3 0.4")
+    mount = urdf.joint("mount", "link_2", "tool", "fixed", at="0 0 0", rpy="1.3 -0.9 0.6")
     xml = urdf.two_links(rpy="1.2 0 0")
     bad = urdf.write(xml.replace("</robot>", big + mount + "</robot>"))
     (issue,) = issues_of(bad)
     assert issue.link == "tool"
-    factor = float(re.search(r"by ([\d.]+) in the median", issue.effect)[1])
+    found = re.search(r"at joint 2 by ([\d.]+) in the median \(up to ([\d.]+)\)", issue.effect)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         given = load_robot(bad)
@@ -94,7 +94,8 @@ def test_effect_of_a_turned_tensor_is_that_of_the_link(urdf):
         ratios.append(
             inertia_along(given, q, Contact(2), h) / inertia_along(clean, q, Contact(2), h)
         )
-    assert factor == pytest.approx(np.median(ratios), rel=0.05)
+    shown = [np.median(ratios), max(ratios)]
+    assert [float(text) for text in found.groups()] == pytest.approx(shown, rel=0.05)
 
 
 def test_inertia_that_is_not_positive_definite(last_link, urdf):
@@ -142,15 +143,38 @@ def test_out_of_proportion_is_a_warning(last_link, urdf):
     assert "radius of gyration 0.2 m is out of proportion to a link" in issue.problem
 
 
-def test_wrong_link_near_the_base_is_measured_at_the_flange(urdf):
-    """The origin of joint 1 cannot move: noise divided by noise is no effect."""
+@pytest.mark.parametrize(
+    ("link", "right", "wrong"),
+    [
+        ("link_1", 'iyy="0.09" iyz="0" izz="0.02"', 'iyy="0.09" iyz="0" izz="9"'),
+        ("link_2", 'iyy="0.018" iyz="0" izz="0.044"', 'iyy="9" iyz="0" izz="9"'),
+    ],
+)
+def test_wrong_link_near_the_base_is_measured_at_the_flange(urdf, link, right, wrong):
+    """The origins of joints 1 and 2 cannot move: noise divided by noise is no effect."""
     clean = (resources.files("hitjoints.robots") / "iiwa14.urdf").read_text()
-    wrong = clean.replace('iyy="0.09" iyz="0" izz="0.02"', 'iyy="0.09" iyz="0" izz="9"')
-    assert wrong != clean
+    assert clean.count(right) == 1
+    wrong = clean.replace(right, wrong)
     (issue,) = issues_of(urdf.write(wrong))
-    assert issue.link == "link_1"
+    assert issue.link == link
     factor, most = re.search(r"at the flange by (\S+) .*\(up to (\S+)\)", issue.effect).groups()
     assert 1 <= float(factor) < float(most) < 1e3
+
+
+def test_round_off_at_a_joint_that_cannot_move_is_no_effect(urdf):
+    """Joint 2 lies on a tilted axis 1: its origin moves by round-off, which measures nothing."""
+    xml = urdf.robot(
+        urdf.base,
+        urdf.link("link_1"),
+        urdf.link("link_2", moments=(9, 9, 9)),
+        urdf.link("link_3"),
+        urdf.joint("joint_1", "base", "link_1", rpy="0.3 0.2 0.1"),
+        urdf.joint("joint_2", "link_1", "link_2", at="0 0 0.3", rpy="1.2 0 0"),
+        urdf.joint("joint_3", "link_2", "link_3", rpy="-0.8 0 0"),
+    )
+    (issue,) = issues_of(urdf.write(xml))
+    assert issue.link == "link_2"
+    assert "at the flange by" in issue.effect
 
 
 def test_base_inertia_plays_no_part(urdf):

@@ -1,0 +1,181 @@
+"""Compare a kernel with Pinocchio: it serves only if they agree."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from hitjoints.errors import KernelMismatchError
+from hitjoints.kernels.chain import Triple, velocity_limits
+from hitjoints.kernels.speeds import PARALLEL
+
+SAMPLES = 24
+TOLERANCES = {
+    "inertia": 1e-10,
+    "mobility": 1e-10,
+    "gradient": 1e-9,
+    "mobility_gradient": 1e-9,
+    "position": 1e-12,
+    "jacobian": 1e-12,
+    "speed": 1e-10,
+    "flux": 1e-10,
+    "straight_speed": 1e-8,
+    "straight_flux": 1e-8,
+}
+"""Largest deviation, relative to the size of the quantity (and to 1 m for kinematics)."""
+
+NEARLY_STUCK = 1e-8
+"""Below this mobility (1/kg) a sample is too close to an infeasible direction to compare."""
+
+Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Pinocchio's answers for one contact at one configuration, named as the outputs."""
+
+    position: Array
+    jacobian: Array
+    mobility: float
+    mobility_gradient: Array
+
+    @classmethod
+    def at(
+        cls, model: pin.Model, data: pin.Data, q: Array, contact: tuple[int, Triple], h: Array
+    ) -> Reference:
+        """Evaluate at q (n,) for the unit direction h (3,)."""
+        joint, offset = contact[0], np.array(contact[1])
+        pin.crba(model, data, q)
+        pin.computeJointJacobians(model, data, q)
+        pose = data.oMi[joint]
+        arm = pose.rotation @ offset
+        J = pin.getJointJacobian(model, data, joint, pin.LOCAL_WORLD_ALIGNED)
+        J = J[:3] - np.cross(arm, J[3:], axisb=0, axisc=0)
+        g = J.T @ h
+        pin.cholesky.decompose(model, data)
+        u = pin.cholesky.solve(model, data, g)
+        position = pose.translation + arm
+        still = np.zeros_like(u)
+        pin.computeForwardKinematicsDerivatives(model, data, q, u, still)
+        dv = pin.getPointVelocityDerivatives(
+            model, data, joint, pin.SE3(np.eye(3), offset), pin.LOCAL_WORLD_ALIGNED
+        )[0]
+        # The difference of two calls leaves d(M u)/dq: gravity cancels.
+        dMu = pin.computeRNEADerivatives(model, data, q, still, u)[0].copy()
+        dMu -= pin.computeRNEADerivatives(model, data, q, still, still)[0]
+        return cls(position, J, float(g @ u), 2.0 * h @ dv - u @ dMu)
+
+
+def samples(model: pin.Model, count: int = SAMPLES) -> tuple[Array, Array, Array]:
+    """Configurations (count, n) within limits, unit directions (count, 3) and masses (count,) kg."""
+    random = np.random.default_rng(0)
+    low = np.maximum(model.lowerPositionLimit, -np.pi)
+    high = np.minimum(model.upperPositionLimit, np.pi)
+    q = random.uniform(low, np.maximum(low, high), (count, model.nv))
+    h = random.normal(size=(count, 3))
+    return q, h / np.linalg.norm(h, axis=1, keepdims=True), random.uniform(0.1, 5.0, count)
+
+
+def check(
+    model: pin.Model,
+    contacts: Sequence[tuple[int, Triple]],
+    inputs: tuple[Array, Array, Array],
+    results: Mapping[str, Array],
+) -> None:
+    """Compare results with Pinocchio.
+
+    Args:
+        model: the arm.
+        contacts: joint and offset, (K).
+        inputs: q, directions and masses, as from `samples`.
+        results: the kernel's outputs for them.
+
+    Raises:
+        KernelMismatchError: naming the output and the deviation.
+    """
+    data = model.createData()
+    low, high = velocity_limits(model)
+    attained = {name: 0 for name in ("straight_speed", "straight_flux") if name in results}
+    for k, contact in enumerate(contacts):
+        for i, (q, h, mass) in enumerate(zip(*inputs, strict=True)):
+            reference = Reference.at(model, data, q, contact, h)
+            expected = _expected(reference, h, float(mass), low, high)
+            for name, values in results.items():
+                value, moves = values[k, i], reference.mobility > NEARLY_STUCK
+                if name in attained:
+                    fastest = straight_primal(reference.jacobian, h, low, high)
+                    if name == "straight_flux":
+                        fastest /= 1.0 + mass * reference.mobility
+                    gap = float(value - fastest)
+                    scale = TOLERANCES[name] * (1.0 + abs(fastest))
+                    attained[name] += not moves or abs(gap) <= scale
+                    _refuse(name, contact, -gap, scale if moves else np.inf)
+                elif name in {"position", "jacobian"} or moves:
+                    scale = TOLERANCES[name] * _size(name, expected)
+                    _refuse(name, contact, float(np.abs(value - expected[name]).max()), scale)
+    for name, count in attained.items():
+        if not count:
+            raise KernelMismatchError(f"{name}: no sample reaches the speed the kernel claims")
+
+
+def _expected(reference: Reference, h: Array, mass: float, low: Array, high: Array) -> dict[str, Any]:
+    g = reference.jacobian.T @ h
+    mobility = max(reference.mobility, np.finfo(float).tiny)
+    speed = np.maximum(g * high, np.where(g == 0.0, 0.0, g * low)).sum() if g.any() else 0.0
+    return {
+        "position": reference.position,
+        "jacobian": reference.jacobian,
+        "mobility": reference.mobility,
+        "mobility_gradient": reference.mobility_gradient,
+        "inertia": 1.0 / mobility,
+        "gradient": -reference.mobility_gradient / mobility**2,
+        "speed": speed,
+        "flux": speed / (1.0 + mass * mobility),
+    }
+
+
+def _size(name: str, expected: Mapping[str, Any]) -> float:
+    if name in {"position", "jacobian", "speed", "flux"}:
+        return 1.0 + float(np.abs(expected[name]).max())
+    whole = {"gradient": "inertia", "mobility_gradient": "mobility"}.get(name, name)
+    return max(float(np.abs(expected[name]).max()), float(expected[whole]))
+
+
+def _refuse(name: str, contact: tuple[int, Triple], deviation: float, allowed: float) -> None:
+    if not deviation <= allowed:
+        raise KernelMismatchError(
+            f"{name} at joint {contact[0]}, offset {contact[1]}: "
+            f"off by {deviation:.3g} from Pinocchio, {allowed:.3g} allowed"
+        )
+
+
+def straight_primal(J: Array, h: Array, low: Array, high: Array) -> float:
+    """A speed (m/s) along h that joint speeds in the box reach without moving sideways.
+
+    For every pair of joints the others go to the bounds their reduced cost asks for and the pair cancels the
+    lateral motion. The best feasible one is the maximum unless the vertex is degenerate.
+    """
+    g = J.T @ h
+    across = np.linalg.svd(h[None, :])[2][1:] @ J
+    best = 0.0
+    norms = np.linalg.norm(across, axis=0)
+    pairs = [list(pair) for pair in itertools.combinations(np.flatnonzero(norms), 2)]
+    parallel = [
+        abs(np.linalg.det(across[:, pair])) <= PARALLEL * norms[pair].prod() for pair in pairs
+    ]
+    bases = [pair for pair, flat in zip(pairs, parallel, strict=True) if not flat]
+    for base in bases or [[i] for i in range(len(g))]:
+        mu = np.linalg.lstsq(across[:, base].T, -g[base], rcond=PARALLEL)[0]
+        reduced = g + mu @ across
+        qd = np.where(reduced > 0.0, high, low)
+        qd[base] = 0.0
+        qd[base] = np.linalg.lstsq(across[:, base], -across @ qd, rcond=PARALLEL)[0]
+        inside = np.all((qd >= low - 1e-12) & (qd <= high + 1e-12))
+        if inside and np.abs(across @ qd).max() <= 1e-12:
+            best = max(best, float(g @ qd))
+    return best
