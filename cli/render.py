@@ -8,6 +8,8 @@ import sys
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+FILE_WIDTH = 120  # columns of a table that goes to a file or a pipe
+
 
 def print_json(result: dict[str, Any]) -> None:
     """Print one JSON object; what is not a finite number becomes null."""
@@ -47,7 +49,10 @@ def print_table(
         table.add_column(column, justify="left" if i == 0 else "right")
     for row in rows:
         table.add_row(*(_cell(value) for value in row))
-    Console().print(table)
+    console = Console()
+    if not console.is_terminal:
+        console.width = FILE_WIDTH
+    console.print(table)
 
 
 def _cell(value: object) -> str:

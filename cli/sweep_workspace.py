@@ -192,13 +192,18 @@ def _summary(swept: Dataset) -> list[dict[str, Any]]:
 
 
 def _print(swept: Dataset, rows: list[dict[str, Any]]) -> None:
-    columns = ("reachable", "inertia_median", "away", "flux", "position", "inertia", "speed")
     names = (
-        "hit with", "along", "reachable", "median inertia (kg)", "can point away",
-        "greatest flux (m/s)", "at (m)", "inertia (kg)", "speed (m/s)",
+        "hit with", "along", "reachable", "can point away", "median inertia (kg)",
+        "greatest flux (m/s)", "there (m)",
     )  # fmt: skip
     cells = [
-        [f"joint {row['joint']}", row["direction"], *(_cell(row, name) for name in columns)]
+        [
+            f"joint {row['joint']}",
+            row["direction"],
+            f"{row['reachable']:.1%}",
+            f"{row['away']:.1%}" if "away" in row else None,
+            *(row.get(name) for name in ("inertia_median", "flux", "position")),
+        ]
         for row in rows
     ]
     grid = " x ".join(str(swept.sizes[name]) for name in "xyz")
@@ -209,9 +214,3 @@ def _print(swept: Dataset, rows: list[dict[str, Any]]) -> None:
         cells,
         caption="can point away: share of the reachable positions, for the links beyond (Eq. 14)",
     )
-
-
-def _cell(row: dict[str, Any], name: str) -> object:
-    if name in ("reachable", "away") and name in row:
-        return f"{100 * row[name]:.1f} %"
-    return row.get(name)

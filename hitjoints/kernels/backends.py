@@ -96,7 +96,7 @@ def evaluate(
     """
     missing = lanes - rows
     if missing > 0 and rows > 0:
-        inputs = [np.append(x, np.full(missing, x[-1])) for x in inputs]
+        inputs = [x if len(x) == 1 else np.append(x, np.full(missing, x[-1])) for x in inputs]
     out = np.empty((outputs, max(rows, lanes)))
     if rows:
         over_rows(lambda start, stop: run(inputs, out, start, stop), out.shape[1], threads)

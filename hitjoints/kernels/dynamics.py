@@ -170,6 +170,15 @@ def mobility_gradient(
     return gradient
 
 
+def twice_kinetic_energy(arm: Arm, u: list[Scalar]) -> Scalar:
+    """u^T M u (J) without forming M."""
+    total: Scalar = 0.0
+    for link, speed, omega, v in zip(arm.links, u, *_velocities(arm, u), strict=True):
+        angular, linear = _momentum(link.inertia, omega, v)
+        total = total + dot(angular, omega) + dot(linear, v) + speed * speed * link.armature
+    return total
+
+
 def _velocities(arm: Arm, u: list[Scalar]) -> tuple[list[Vector], list[Vector]]:
     """Angular and linear velocity of every link, in its frame."""
     omegas: list[Vector] = []

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from hitjoints.errors import InputError
 from hitjoints.kernels.arm import Arm
 from hitjoints.kernels.chain import Chain, Triple
-from hitjoints.kernels.dynamics import Factor, mass_matrix, mobility_gradient
+from hitjoints.kernels.dynamics import Factor, mass_matrix, mobility_gradient, twice_kinetic_energy
 from hitjoints.kernels.speeds import Box, lateral, straight_support, support
 from hitjoints.kernels.trace import Program, Scalar, Tracer, Vector, maximum, where_less
 from hitjoints.tolerances import MOBILITY_FLOOR
@@ -49,10 +49,13 @@ class Hit:
         """h^T J M^-1 J^T h (1/kg)."""
         return [self.mobility_value]
 
+    def response(self) -> list[Scalar]:
+        """Joint speeds after a unit impulse along h, M^-1 J^T h, (n,) (rad/s per N s)."""
+        return self.factor.velocity(self.y)
+
     def mobility_gradient(self) -> list[Scalar]:
         """Its derivative with respect to q, (n,) (1/(kg rad))."""
-        u = self.factor.velocity(self.y)
-        return mobility_gradient(self.arm, self.reaches, self.directions, u)
+        return mobility_gradient(self.arm, self.reaches, self.directions, self.response())
 
     def finite_inertia(self) -> Scalar:
         """1 / mobility, capped so that it stays finite."""
@@ -108,6 +111,7 @@ OUTPUT_SHAPES = {
     "jacobian": "3n",
     "mobility": "",
     "mobility_gradient": "n",
+    "response": "n",
 }
 """Every output and the axes it has beside contact and row."""
 
@@ -141,3 +145,23 @@ def record(chain: Chain, contacts: Sequence[Attachment], outputs: Sequence[str])
     hits = [Hit(arm, factor, contact, h, tracer.inputs[n + 3]) for contact in contacts]
     results = [value for name in outputs for hit in hits for value in getattr(hit, name)()]
     return tracer.program(results)
+
+
+def record_variation(chain: Chain, contact: Attachment) -> Program:
+    """Record 2 g . u - u^T M u and its derivative with respect to q, for a given u.
+
+    For every u it is at most the mobility g^T M^-1 g, and at u = M^-1 g it is the mobility: a lower bound
+    that needs no factor of M. Inputs: q (n), direction (3), u (n); outputs: the value, its derivative (n).
+    """
+    n = chain.size
+    tracer = Tracer(2 * n + 3)
+    h = tracer.inputs[n], tracer.inputs[n + 1], tracer.inputs[n + 2]
+    arm = Arm(chain, tracer.inputs[:n])
+    u: list[Scalar] = list(tracer.inputs[n + 3 :])
+    last, point = contact
+    directions, reaches = arm.in_links(h), arm.reaches(last - 1, point) if last else []
+    speed: Scalar = 0.0
+    for value, joint_speed in zip(arm.row(reaches, directions), u, strict=True):
+        speed = speed + value * joint_speed
+    value = 2.0 * speed - twice_kinetic_energy(arm, u)
+    return tracer.program([value, *mobility_gradient(arm, reaches, directions, u)])

@@ -58,7 +58,7 @@ class Kernel:
         Returns:
             Each output with contacts and rows first: inertia (K, N) kg, gradient (K, N, n) kg/rad, speed and
             straight_speed (K, N) m/s, flux and straight_flux (K, N) m/s, position (K, N, 3) m, jacobian
-            (K, N, 3, n) m/rad, mobility (K, N) 1/kg, mobility_gradient (K, N, n) 1/(kg rad). Arrays with
+            (K, N, 3, n) m/rad, mobility (K, N) 1/kg, mobility_gradient (K, N, n) 1/(kg rad), response (K, N, n) rad/s per N s. Arrays with
             components are views with the rows contiguous.
 
         Raises:
@@ -78,15 +78,15 @@ class Kernel:
             raise InputError("mass", f"shape {m.shape}", f"a number or ({rows},) is expected")
         inputs = [*q.T, *(h.T if h.ndim == 2 else h[:, None]), m]
         count = len(self.runnable.program.outputs)
-        return self._named(
-            evaluate(self.runnable, self.runnable.lanes, count, inputs, rows, threads)
-        )
+        values = evaluate(self.runnable, self.runnable.lanes, count, inputs, rows, threads)
+        return self.named(values, self.outputs)
 
-    def _named(self, values: Array) -> dict[str, Array]:
+    def named(self, values: Array, outputs: Sequence[str]) -> dict[str, Array]:
+        """Cut a program's values (components, N) into arrays with contacts and rows first."""
         sizes = {"": (), "n": (self.joints,), "3": (3,), "3n": (3, self.joints)}
         results: dict[str, Array] = {}
         start = 0
-        for name in self.outputs:
+        for name in outputs:
             shape = (len(self.contacts), *sizes[OUTPUT_SHAPES[name]])
             stop = start + int(np.prod(shape))
             results[name] = np.moveaxis(values[start:stop].reshape(*shape, -1), -1, 1)

@@ -87,18 +87,21 @@ class NumpyProgram:
             low = min(block, stop - width)  # the last rows overlap, so that every block is full
             for value, given in zip(values, inputs, strict=False):
                 value[:] = given if len(given) == 1 else given[low : low + width]
-            for function, arguments in steps:
-                function(*arguments)
+            for function, operands, result in steps:
+                function(*operands, out=result)
             for row, output in zip(out, self.program.outputs, strict=True):
                 row[low : low + width] = values[output] if isinstance(output, int) else output
 
-    def _bind(self, values: list[Array]) -> list[tuple[Callable[..., Any], tuple[Any, ...]]]:
-        """The operations as calls whose last argument is where the result goes."""
+    def _bind(
+        self, values: list[Array]
+    ) -> list[tuple[Callable[..., Any], tuple[Array | float, ...], Array]]:
+        """The operations as functions with their operands and where the result goes."""
         results = values[self.program.inputs :]
         return [
             (
                 FUNCTIONS[operation.name],
-                (*(values[o] if isinstance(o, int) else o for o in operation.operands), result),
+                tuple(values[o] if isinstance(o, int) else o for o in operation.operands),
+                result,
             )
             for operation, result in zip(self.program.operations, results, strict=True)
         ]

@@ -20,6 +20,7 @@ TOLERANCES = {
     "mobility": 1e-10,
     "gradient": 1e-9,
     "mobility_gradient": 1e-9,
+    "response": 1e-9,
     "position": 1e-12,
     "jacobian": 1e-12,
     "speed": 1e-10,
@@ -43,6 +44,7 @@ class Reference:
     jacobian: Array
     mobility: float
     mobility_gradient: Array
+    response: Array
 
     @classmethod
     def at(
@@ -68,7 +70,7 @@ class Reference:
         # The difference of two calls leaves d(M u)/dq: gravity cancels.
         dMu = pin.computeRNEADerivatives(model, data, q, still, u)[0].copy()
         dMu -= pin.computeRNEADerivatives(model, data, q, still, still)[0]
-        return cls(position, J, float(g @ u), 2.0 * h @ dv - u @ dMu)
+        return cls(position, J, float(g @ u), 2.0 * h @ dv - u @ dMu, u)
 
 
 def samples(model: pin.Model, count: int = SAMPLES) -> tuple[Array, Array, Array]:
@@ -125,13 +127,14 @@ def check(
 
 def _expected(reference: Reference, h: Array, mass: float, low: Array, high: Array) -> dict[str, Any]:
     g = reference.jacobian.T @ h
-    mobility = max(reference.mobility, np.finfo(float).tiny)
-    speed = np.maximum(g * high, np.where(g == 0.0, 0.0, g * low)).sum() if g.any() else 0.0
+    mobility = max(reference.mobility, NEARLY_STUCK)
+    speed = np.where(g > 0.0, high, low) @ g if g.any() else 0.0
     return {
         "position": reference.position,
         "jacobian": reference.jacobian,
         "mobility": reference.mobility,
         "mobility_gradient": reference.mobility_gradient,
+        "response": reference.response,
         "inertia": 1.0 / mobility,
         "gradient": -reference.mobility_gradient / mobility**2,
         "speed": speed,
@@ -143,7 +146,7 @@ def _size(name: str, expected: Mapping[str, Any]) -> float:
     if name in {"position", "jacobian", "speed", "flux"}:
         return 1.0 + float(np.abs(expected[name]).max())
     whole = {"gradient": "inertia", "mobility_gradient": "mobility"}.get(name, name)
-    return max(float(np.abs(expected[name]).max()), float(expected[whole]))
+    return max(float(np.abs(expected[part]).max()) for part in (name, whole))
 
 
 def _refuse(name: str, contact: tuple[int, Triple], deviation: float, allowed: float) -> None:

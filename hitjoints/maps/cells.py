@@ -13,6 +13,7 @@ from hitjoints.robot import Contact
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from hitjoints.kernels import Placement
     from hitjoints.robot import Robot
 
     Array = NDArray[np.float64]
@@ -24,6 +25,7 @@ PER_DIRECTION = (
     "speed", "speed_max", "flux", "flux_median",
     "straight_speed", "straight_flux", "away", "away_flux",
 )  # fmt: skip
+OUTPUTS = ("inertia", "speed", "flux", "straight_speed", "straight_flux")
 ROWS_AT_ONCE = 200_000  # configurations in memory at a time
 
 
@@ -105,20 +107,16 @@ def _evaluate(
         return result
     result["reachable"][where] = solved.mean(axis=1)
     rows = q.reshape(-1, robot.n)
-    kernel = kernel_for(robot, (contact,), ("inertia", "speed", "flux"))
-    straight = kernel_for(robot, (contact,), ("straight_speed", "straight_flux"))
+    kernel = kernel_for(robot, (contact,), OUTPUTS)
     outward = _outward(robot, contact, rows, threads).reshape(-1, samples, 3)
     each = np.arange(where.size)
     for d, h in enumerate(directions):
         values = kernel(rows, h, question.mass, threads=threads)
-        inertia, speed, flux = (
-            np.where(solved, values[name][0].reshape(solved.shape), np.nan)
-            for name in ("inertia", "speed", "flux")
+        inertia, speed, flux, straight_speed, straight_flux = (
+            np.where(solved, values[name][0].reshape(solved.shape), np.nan) for name in OUTPUTS
         )
         away = solved & (outward @ h < 0)
         best = np.nanargmax(flux, axis=1)
-        chosen = np.ascontiguousarray(q[each, best])
-        along = straight(chosen, h, question.mass, threads=threads)
         ordered, flux_ordered = np.sort(inertia, axis=1), np.sort(flux, axis=1)
         count = solved.sum(axis=1)
         found = {
@@ -130,11 +128,11 @@ def _evaluate(
             "speed_max": np.nanmax(speed, axis=1),
             "flux": flux[each, best],
             "flux_median": _median(flux_ordered, count),
-            "straight_speed": along["straight_speed"][0],
-            "straight_flux": along["straight_flux"][0],
+            "straight_speed": straight_speed[each, best],
+            "straight_flux": straight_flux[each, best],
             "away": away.any(axis=1).astype(float),
             "away_flux": _greatest(flux, away),
-            "q": chosen,
+            "q": q[each, best],
         }
         for name, value in found.items():
             result[name][d, where] = value
@@ -154,23 +152,16 @@ def _sample(
     robot, samples = question.robot, question.samples
     point = (contact.joint, contact.offset)
 
-    def attempt(targets: Array, rows: NDArray[np.int64]) -> tuple[Array, NDArray[np.bool_]]:
-        placed = place(robot.model, point, targets, seed=question.seed, rows=rows, threads=threads)
-        return placed.q, placed.solved
+    def attempt(targets: Array, rows: NDArray[np.int64]) -> Placement:
+        return place(robot.model, point, targets, seed=question.seed, rows=rows, threads=threads)
 
     # One sample decides whether the position can be reached: most of a map often cannot.
     first = numbers * samples
-    q0, solved0 = attempt(positions, first)
-    where = np.flatnonzero(solved0)
-    q = np.empty((where.size, samples, robot.n))
-    solved = np.ones((where.size, samples), dtype=bool)
-    q[:, 0] = q0[where]
-    if samples > 1 and where.size:
-        rows = (first[where, None] + np.arange(1, samples)).ravel()
-        more, ok = attempt(np.repeat(positions[where], samples - 1, axis=0), rows)
-        q[:, 1:] = more.reshape(where.size, samples - 1, robot.n)
-        solved[:, 1:] = ok.reshape(where.size, samples - 1)
-    return q, solved, where
+    where = np.flatnonzero(attempt(positions, first).solved)
+    rows = (first[where, None] + np.arange(samples)).ravel()
+    placed = attempt(np.repeat(positions[where], samples, axis=0), rows)
+    shape = (where.size, samples)
+    return placed.q.reshape(*shape, robot.n), placed.solved.reshape(shape), where
 
 
 def _outward(robot: Robot, contact: Contact, rows: Array, threads: int | None) -> Array:

@@ -112,5 +112,5 @@ def _parts(dataset: Dataset) -> Iterator[tuple[Dataset, dict[str, slice]]]:
     per_layer = sum(v.size for v in dataset.data_vars.values()) / dataset.sizes[axis]
     step = max(1, int(PART / per_layer))
     for start in range(0, dataset.sizes[axis], step):
-        where = slice(start, start + step)
-        yield dataset.isel({axis: where}), {axis: slice(start, min(start + step, dataset.sizes[axis]))}
+        where = {axis: slice(start, min(start + step, dataset.sizes[axis]))}
+        yield dataset.isel(where), where

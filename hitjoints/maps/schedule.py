@@ -57,7 +57,7 @@ def _on_cluster(
         client = distributed.Client(scheduler, timeout=CONNECT_TIMEOUT, set_as_default=False)
     except (OSError, ValueError) as error:
         raise InputError("scheduler", scheduler, f"no Dask scheduler answers ({error})") from None
-    with client:
+    with client, client.as_current():
         # Sent once; a worker that dies is replaced and gets it again.
         shared = client.scatter(question, broadcast=True, hash=False)
         waiting = iter(indices)

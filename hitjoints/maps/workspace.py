@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from hitjoints.robot import Contact, Robot
 
-POSITIONS_PER_BLOCK = 500  # what a kill can cost, and the finest grain of a cluster's work
+POSITIONS_PER_BLOCK = 2000  # what a kill can cost, and the finest grain of a cluster's work
 Progress = Callable[[int, int], None]
 
 

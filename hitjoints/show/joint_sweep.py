@@ -26,7 +26,7 @@ def draw_joint_sweep(sweep: Dataset) -> Figure:
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(11, 3.6), layout="constrained")
+    figure = Figure(figsize=(11, 3.9), layout="constrained")
     axes = figure.subplots(1, 3)
     for k in sweep.joint.values[sweep.reachable.values]:
         row, colour = sweep.sel(joint=k), colour_of(int(k))
@@ -41,10 +41,10 @@ def draw_joint_sweep(sweep: Dataset) -> Figure:
         axis.set_xticks(range(-180, 181, 90))
         axis.grid(alpha=0.3)
         axis.spines[["top", "right"]].set_visible(False)
-    axes[0].legend(frameon=False)
     axes[1].plot([], [], color="grey", label="any motion")
     axes[1].plot([], [], color="grey", linestyle="--", linewidth=1, label="straight along $h$")
-    axes[1].legend(frameon=False, handles=axes[1].lines[-2:])
+    handles = [*axes[0].lines, *axes[1].lines[-2:]]
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
     figure.suptitle(_title(sweep), fontsize="medium")
     return figure
 

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from hitjoints.robot import Robot
 
 PANELS = (
-    ("inertia_median", r"median inertia $\lambda_h$ (kg)", "viridis"),
-    ("flux", r"greatest flux $\phi_{\max}$ (m/s)", "inferno"),
+    ("inertia_median", r"median inertia $\lambda_h$ (kg)", "viridis", "heaviest"),
+    ("flux", r"greatest flux $\phi_{\max}$ (m/s)", "inferno", "hits hardest"),
 )
 UNREACHABLE = "#d9d9d9"
 
@@ -41,21 +41,22 @@ def draw_workspace(robot: Robot, swept: Dataset, direction: int = 0) -> Figure:
     cut = swept.isel({layer: middle, "direction": direction})
     joints = [int(k) for k in swept.joint.values]
     columns = len(joints) + 1
-    aspect = float(np.ptp(swept[up]) / np.ptp(swept[across]))
-    size = (3.1 * columns, 2 * (3.1 * min(max(aspect, 0.4), 2.2) + 0.7))
+    aspect = float(np.ptp(swept[up].values) / np.ptp(swept[across].values))
+    size = (3.1 * columns + 1, 5.4 * min(max(aspect, 0.4), 2.2) + 1.3)
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(2, columns, sharex=True, sharey=True)
-    for row, (name, label, colours) in zip(axes, PANELS, strict=True):
-        scale = _shared_scale(cut[name].values)
+    for row, (name, label, colours, praise) in zip(axes, PANELS, strict=True):
+        scale, ends = _shared_scale(name, cut[name].values)
         for axis, k in zip(row, joints, strict=False):
             values = cut[name].sel(joint=k).transpose(up, across)
             drawn = _shade(axis, cut, (across, up), values, cmap=colours, **scale)
-            axis.set_title(f"joint {k}" if row is axes[0] else "")
-        figure.colorbar(drawn, ax=row[: len(joints)], label=label, extend="max", shrink=0.9)
-    for axis, (name, label, _) in zip(axes[:, -1], PANELS, strict=True):
-        values = best_joint(cut, name).transpose(up, across)
-        _shade_joints(axis, cut, (across, up), values, joints)
-        axis.set_title(f"joint of the greatest\n{label.split(' $')[0]}", fontsize="small")
+            axis.set_title(f"joint {k}")
+        figure.colorbar(
+            drawn, ax=row[: len(joints)], label=label, shrink=0.9, format="{x:g}", **ends
+        )
+        _shade_joints(row[-1], cut, (across, up), best_joint(cut, name).transpose(up, across))
+        row[-1].set_title(praise)
+    _legend(figure, joints)
     for axis in axes.flat:
         _draw_arm(axis, robot, ("xyz".index(across), "xyz".index(up)))
         axis.set(xlim=_span(cut[across]), ylim=_span(cut[up]), aspect="equal")
@@ -84,12 +85,21 @@ def _plane(swept: Dataset) -> tuple[str, str, str]:
     return layer, across, up
 
 
-def _shared_scale(values: Any) -> dict[str, float]:
-    """Return colour limits shared by all joints; the few greatest values saturate."""
-    finite = values[np.isfinite(values)]
-    if not finite.size:
-        return {"vmin": 0.0, "vmax": 1.0}
-    return {"vmin": 0.0, "vmax": float(np.percentile(finite, 98))}
+def _shared_scale(name: str, values: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return colour limits shared by all joints, and the colour bar's ends and ticks.
+
+    A few extreme values saturate.
+
+    Inertia spans a decade from the last joint to the elbow side, so its scale is logarithmic.
+    """
+    from matplotlib.colors import LogNorm, Normalize
+
+    finite = values[np.isfinite(values) & (values > 0)]
+    low, high = np.percentile(finite, (1, 98)) if finite.size else (0.1, 1.0)
+    if name == "inertia_median":
+        ticks = [tick for tick in (0.5, 1, 2, 3, 5, 10, 20, 30, 50, 100) if low < tick < high]
+        return {"norm": LogNorm(low, max(high, 1.01 * low))}, {"extend": "both", "ticks": ticks}
+    return {"norm": Normalize(0.0, high)}, {"extend": "max"}
 
 
 def _shade(axis: Any, cut: Dataset, plane: tuple[str, str], values: Any, **options: Any) -> Any:
@@ -99,20 +109,25 @@ def _shade(axis: Any, cut: Dataset, plane: tuple[str, str], values: Any, **optio
     return axis.pcolormesh(cut[plane[0]], cut[plane[1]], shown, shading="nearest", **options)
 
 
-def _shade_joints(
-    axis: Any, cut: Dataset, plane: tuple[str, str], values: Any, joints: list[int]
-) -> None:
+def _shade_joints(axis: Any, cut: Dataset, plane: tuple[str, str], values: Any) -> None:
     from matplotlib.colors import BoundaryNorm, ListedColormap
-    from matplotlib.patches import Patch
 
-    ordered = sorted(joints)
+    ordered = sorted(int(k) for k in cut.joint.values)
     edges = [ordered[0] - 0.5, *(k + 0.5 for k in ordered)]
     colours = ListedColormap([colour_of(k) for k in ordered])
-    norm = BoundaryNorm(edges, len(ordered))
-    _shade(axis, cut, plane, values, cmap=colours, norm=norm)
-    handles = [Patch(color=colour_of(k), label=f"joint {k}") for k in ordered]
-    handles.append(Patch(facecolor=UNREACHABLE, hatch="////", edgecolor="white", label="no joint"))
-    axis.legend(handles=handles, fontsize="x-small", loc="upper right", framealpha=0.9)
+    _shade(axis, cut, plane, values, cmap=colours, norm=BoundaryNorm(edges, len(ordered)))
+
+
+def _legend(figure: Figure, joints: list[int]) -> None:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    handles: list[Any] = [Patch(color=colour_of(k), label=f"joint {k}") for k in joints]
+    handles.append(
+        Patch(facecolor=UNREACHABLE, hatch="////", edgecolor="white", label="out of reach")
+    )
+    handles.append(Line2D([], [], color="black", marker="s", label="arm at home"))
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
 
 
 def _draw_arm(axis: Any, robot: Robot, plane: tuple[int, int]) -> None:

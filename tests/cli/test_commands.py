@@ -52,8 +52,12 @@ def test_inspect_json_agrees_with_the_api(run):
 
 
 def test_inspect_infeasible_direction(run):
-    # Stretched upwards, the elbow (joint 4) cannot move along the line through joint 2.
-    outcome = run("inspect", "--joint", 4, "--q", "0,0,0,0,0,0,0", "--direction", "0,0,1", "--json")
+    # The elbow (joint 4) moves on a sphere about joint 2, so not along the line between them.
+    q = [0, 0.5, 0, -1, 0, 0, 0]
+    robot = hj.load_robot("iiwa14")
+    radius = hj.position(robot, q, 4) - hj.position(robot, q, 2)
+    along, at = (",".join(map(str, v)) for v in (radius, q))
+    outcome = run("inspect", "--joint", 4, "--q", at, "--direction", along, "--json")
     assert outcome.code == 3
     found = outcome.json
     assert found["inertia"] is None
