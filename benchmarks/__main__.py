@@ -1,12 +1,15 @@
-"""Run the benchmarks: `python -m benchmarks [--json] [NAME...]`."""
+"""Run the benchmarks: `python -m benchmarks [--json | --write] [NAME...]`."""
 
 from __future__ import annotations
 
 import json
+import os
 import platform
 import sys
 from dataclasses import asdict
+from datetime import date
 from importlib import import_module, metadata
+from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
@@ -17,8 +20,12 @@ MODULES = ("startup", "single_call", "kernels", "workspace")
 PACKAGES = ("pin", "proxsuite", "numpy", "llvmlite", "xarray", "zarr")
 
 
+TABLE = Path(__file__).parents[1] / "docs" / "benchmarks_table.md"
+COLUMNS = ("what", "ours", "peer", "ours", "peer", "ratio", "min .. max", "target", "")
+
+
 def main(words: list[str]) -> None:
-    """Measure and print."""
+    """Measure, print, and with --write keep the table for the documentation."""
     chosen = [word for word in words if not word.startswith("-")] or list(MODULES)
     rows: list[Row] = []
     for name in chosen:
@@ -27,24 +34,37 @@ def main(words: list[str]) -> None:
     if "--json" in words:
         print(json.dumps([asdict(row) | {"met": row.met} for row in rows]))
         return
-    versions = ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES)
-    print(f"{platform.machine()}, Python {platform.python_version()}; {versions}")
-    table = Table(box=None, header_style="bold")
-    for column in ("what", "ours", "peer", "ours", "peer", "ratio", "min .. max", "target", ""):
-        table.add_column(column)
+    print(_circumstances())
+    table = Table(*COLUMNS, box=None, header_style="bold")
     for row in rows:
-        table.add_row(
-            row.what,
-            row.ours,
-            row.peer,
-            _time(row.ours_time),
-            _time(row.peer_time),
-            f"{row.ratio:.3g}x {'the cost' if row.meaning == 'cost' else 'faster'}",
-            f"{row.low:.3g} .. {row.high:.3g}",
-            row.target,
-            "" if not row.target else "met" if row.met else "NOT met",
-        )
+        table.add_row(*_cells(row))
     Console(width=200).print(table)
+    if "--write" in words:
+        lines = [" | ".join(("", *cells, "")).strip() for cells in (COLUMNS, *map(_cells, rows))]
+        lines.insert(1, "|" + " --- |" * len(COLUMNS))
+        TABLE.write_text(f"{_circumstances()}\n\n" + "\n".join(lines) + "\n")
+
+
+def _circumstances() -> str:
+    versions = ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES)
+    return (
+        f"{date.today()}, `python -m benchmarks`, {platform.machine()} with {os.cpu_count()} "
+        f"processors, Python {platform.python_version()}; {versions}"
+    )
+
+
+def _cells(row: Row) -> tuple[str, ...]:
+    return (
+        row.what,
+        row.ours,
+        row.peer,
+        _time(row.ours_time),
+        _time(row.peer_time),
+        f"{row.ratio:.3g}x {'the cost' if row.meaning == 'cost' else 'faster'}",
+        f"{row.low:.3g} .. {row.high:.3g}",
+        row.target,
+        "" if not row.target else "met" if row.met else "NOT met",
+    )
 
 
 def _time(value: float) -> str:

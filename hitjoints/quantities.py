@@ -6,6 +6,7 @@ One configuration (n,) goes to Pinocchio, rows of them (N, n) to the batch kerne
 from __future__ import annotations
 
 from functools import lru_cache
+from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -160,9 +161,17 @@ def _batch(robot: Robot, contact: Contact, output: str, q: Any, h: Any) -> NDArr
     return np.asarray(values)
 
 
-@lru_cache(maxsize=64)
+_building = Lock()
+
+
 def kernel_for(robot: Robot, contacts: tuple[Contact, ...], outputs: tuple[str, ...]) -> Any:
     """Return the batch kernel of a robot for some contacts and outputs, built on first use."""
+    with _building:  # two threads must not build the same kernel twice
+        return _built(robot, contacts, outputs)
+
+
+@lru_cache(maxsize=64)
+def _built(robot: Robot, contacts: tuple[Contact, ...], outputs: tuple[str, ...]) -> Any:
     from hitjoints.kernels import build_kernel
 
     points_of = tuple((contact.joint, contact.offset) for contact in contacts)

@@ -1,4 +1,4 @@
-"""Millions of configurations: the rigid-body formulas compiled for one arm, checked against Pinocchio."""
+"""Millions of configurations: the formulas compiled for one arm, checked against Pinocchio."""
 
 from __future__ import annotations
 

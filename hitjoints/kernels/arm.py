@@ -1,8 +1,8 @@
 """Kinematics of a chain over abstract numbers, each vector in the frame of the link it belongs to.
 
-Local frames keep the constants constant: a neighbour's axis, origin and inertia enter as numbers known
-beforehand, and the mass matrix is seen not to depend on q_1 because nothing of it reaches the base.
-Links are counted from 0 here.
+Local frames keep the constants constant: a neighbour's axis, origin and inertia enter as numbers
+known beforehand, and the mass matrix is seen not to depend on q_1 because nothing of it reaches the
+base. Links are counted from 0 here.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from hitjoints.kernels.trace import Scalar, Vector, cos, sin
 
 
 def dot(a: Vector, b: Vector) -> Scalar:
-    """a . b."""
+    """A . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: Vector, b: Vector) -> Vector:
-    """a x b."""
+    """A x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], cross_z(a, b)
 
 
@@ -27,12 +27,12 @@ def cross_z(a: Vector, b: Vector) -> Scalar:
 
 
 def plus(a: Vector, b: Vector) -> Vector:
-    """a + b."""
+    """A + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 def minus(a: Vector, b: Vector) -> Vector:
-    """a - b."""
+    """A - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
@@ -97,7 +97,9 @@ class Arm:
         return views
 
     def reaches(self, last: int, point: Vector) -> list[Vector]:
-        """Vectors from the origins of links 0..last to a point fixed to link `last`, each in its frame."""
+        """Vectors from the origins of links 0..last to a point fixed to link `last`, each in its
+        frame.
+        """
         vectors = [point]
         for i in range(last, 0, -1):
             vectors.append(plus(self.shifts[i], self.inward(i, vectors[-1])))
@@ -110,7 +112,9 @@ class Arm:
         return plus(self.chain.base_position, self.in_world(point))
 
     def row(self, reaches: list[Vector], views: list[Vector]) -> list[Scalar]:
-        """J^T a (n) for a vector a seen from the links (m/rad): z . (r x a), or z . a for a slide."""
+        """J^T a (n) for a vector a seen from the links (m/rad): z . (r x a), or z . a for a
+        slide.
+        """
         moved = [
             a[2] if link.prismatic else cross_z(r, a)
             for link, r, a in zip(self.links, reaches, views, strict=False)

@@ -34,7 +34,8 @@ def choose(backend: str | None = None) -> str:
     """Name of the back end to use.
 
     Args:
-        backend: "llvm" or "numpy"; None for what HITJOINTS_BACKEND says, else the fastest that works here.
+        backend: "llvm" or "numpy"; None for what HITJOINTS_BACKEND says, else the fastest that
+            works here.
 
     Raises:
         UnknownNameError: no such back end.

@@ -19,9 +19,9 @@ from hitjoints.tolerances import MOBILITY_FLOOR
 class InertiaBounds:
     """Bounds of the mobility of one contact, each of three kinds, and of its inverse.
 
-    The natural extension is sharp for points; the mean value form m(c) + dm(Q) (Q - c) for small boxes. For
-    the lower bound of the mobility 2 g . u - u^T M u with u fixed at the box's centre does better: no factor
-    of M over intervals, and its derivative varies little.
+    The natural extension is sharp for points; the mean value form m(c) + dm(Q) (Q - c) for small
+    boxes. For the lower bound of the mobility 2 g . u - u^T M u with u fixed at the box's centre
+    does better: no factor of M over intervals, and its derivative varies little.
 
     Args:
         chain: the arm.
@@ -36,7 +36,9 @@ class InertiaBounds:
         self.centre, self.index = centre, index
 
     def __call__(self, box: Interval, h: Array, threads: int | None) -> Interval:
-        """Bounds (B,) of the inertia (kg), infinite above where the box may hold an infeasible point."""
+        """Bounds (B,) of the inertia (kg), infinite above where the box may hold an infeasible
+        point.
+        """
         middle = 0.5 * (box.lower + box.upper)
         count = len(middle)
         response = self.centre(middle, h, threads=threads)["response"][self.index]

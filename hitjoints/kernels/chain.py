@@ -1,9 +1,9 @@
 """A serial arm as plain numbers, arranged so that its dynamics cost few operations.
 
 Every joint axis is made the local z axis: R_i = R_{i-1} Rx(alpha_i) Rz(q_i + offset_i) and
-p_i = p_{i-1} + R_{i-1} t_i (+ z_i q_i for a prismatic joint). Not Denavit-Hartenberg, whose common normals
-run off to infinity for nearly parallel axes; instead each origin slides along its own axis to the foot of
-the previous origin, which makes the joints of a spherical wrist share one point.
+p_i = p_{i-1} + R_{i-1} t_i (+ z_i q_i for a prismatic joint). Not Denavit-Hartenberg, whose common
+normals run off to infinity for nearly parallel axes; instead each origin slides along its own axis
+to the foot of the previous origin, which makes the joints of a spherical wrist share one point.
 """
 
 from __future__ import annotations
@@ -140,8 +140,8 @@ class Chain:
             offset: contact point in the model's joint frame (m).
 
         Returns:
-            1-based link (0: fixed to the base) and the point (m) in its frame. A point on a revolute joint's
-            axis belongs to the link before.
+            1-based link (0: fixed to the base) and the point (m) in its frame. A point on a
+            revolute joint's axis belongs to the link before.
 
         Raises:
             InputError: no such joint, or the offset is not finite.
@@ -163,8 +163,8 @@ class Chain:
 def velocity_limits(model: pin.Model) -> tuple[Array, Array]:
     """Slowest and fastest joint velocities, (n,) each (rad/s or m/s).
 
-    Pinocchio 4 has separate lower limits, but its URDF reader fills them with the positive limit: only a
-    lower limit that is not positive is one, otherwise the limit is symmetric.
+    Pinocchio 4 has separate lower limits, but its URDF reader fills them with the positive limit:
+    only a lower limit that is not positive is one, otherwise the limit is symmetric.
     """
     fastest = np.array([_bound(v) for v in model.velocityLimit])
     lower = np.asarray(getattr(model, "lowerVelocityLimit", fastest))
@@ -209,7 +209,9 @@ def _frame_of_axis(axis: Array) -> Array:
 
 
 def _split_zxz(rotation: Array) -> tuple[float, float, float]:
-    """Angles (before, tilt, after) with rotation = Rz(before) Rx(tilt) Rz(after), |before| <= pi/2."""
+    """Angles (before, tilt, after) with rotation = Rz(before) Rx(tilt) Rz(after), |before| <=
+    pi/2.
+    """
     x, y = rotation[0, 2], -rotation[1, 2]
     sign = -1.0 if y < 0.0 else 1.0
     before = math.atan2(sign * x, sign * y) if x or y else 0.0

@@ -1,7 +1,7 @@
 """Mass matrix, directional mobility and its gradient over abstract numbers.
 
-Composite bodies (Featherstone, Rigid Body Dynamics Algorithms, ch. 6) in link frames, M = U D U^T from the
-tip, so that the entries of U^-1 g beyond the contact's joint stay zero.
+Composite bodies (Featherstone, Rigid Body Dynamics Algorithms, ch. 6) in link frames, M = U D U^T
+from the tip, so that the entries of U^-1 g beyond the contact's joint stay zero.
 """
 
 from __future__ import annotations
@@ -17,7 +17,9 @@ Tensor = tuple[Scalar, Scalar, Scalar, Scalar, Scalar, Scalar]
 
 @dataclass(frozen=True)
 class Composite:
-    """Links i..n-1 as one body, about link i's origin: mass, first moment, inertia (xx yy zz xy xz yz)."""
+    """Links i..n-1 as one body, about link i's origin: mass, first moment, inertia (xx yy zz xy xz
+    yz).
+    """
 
     mass: float
     moment: Vector
@@ -63,9 +65,7 @@ class Composite:
 
     def with_body(self, body: Inertia) -> Composite:
         """Add the body of the link itself."""
-        xx, yy, zz, xy, xz, yz = (
-            a + b for a, b in zip(self.tensor, body.tensor, strict=True)
-        )
+        xx, yy, zz, xy, xz, yz = (a + b for a, b in zip(self.tensor, body.tensor, strict=True))
         moment = plus(self.moment, body.moment)
         return Composite(self.mass + body.mass, moment, (xx, yy, zz, xy, xz, yz))
 
@@ -123,7 +123,7 @@ class Factor:
         return total
 
     def velocity(self, y: list[Scalar]) -> list[Scalar]:
-        """u = M^-1 g from y = U^-1 g: the joint speeds after a unit impulse along h."""
+        """U = M^-1 g from y = U^-1 g: the joint speeds after a unit impulse along h."""
         u = [value * inverse for value, inverse in zip(y, self.inverse_D, strict=True)]
         for i in range(len(u)):
             for j in range(i):
@@ -136,8 +136,9 @@ def mobility_gradient(
 ) -> list[Scalar]:
     """Derivative of h^T J M^-1 J^T h with respect to q (n), in O(n).
 
-    It is 2 h^T d(J u)/dq - u^T dM/dq u at fixed u = M^-1 J^T h. Turning joint i carries along the momentum of
-    the links beyond it, less the unit impulse at the contact, and the contact's own velocity.
+    It is 2 h^T d(J u)/dq - u^T dM/dq u at fixed u = M^-1 J^T h. Turning joint i carries along the
+    momentum of the links beyond it, less the unit impulse at the contact, and the contact's own
+    velocity.
 
     Args:
         arm: the arm at q.

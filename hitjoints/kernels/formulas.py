@@ -22,7 +22,8 @@ class Hit:
     Args:
         arm: the arm at q.
         factor: U D U^T of its mass matrix.
-        contact: last joint that moves the contact (1-based, 0: none) and the place in its link's frame.
+        contact: last joint that moves the contact (1-based, 0: none) and the place in its link's
+            frame.
         h: unit direction (world).
         mass: object's mass (kg).
     """
@@ -122,8 +123,8 @@ FASTEST = frozenset({"speed", "straight_speed", "flux", "straight_flux"})
 def record(chain: Chain, contacts: Sequence[Attachment], outputs: Sequence[str]) -> Program:
     """Record the outputs of all contacts as one program.
 
-    Its inputs are q (n), the direction (3) and the object's mass; its outputs are grouped by output, then by
-    contact, then by component.
+    Its inputs are q (n), the direction (3) and the object's mass; its outputs are grouped by
+    output, then by contact, then by component.
 
     Args:
         chain: the arm.
@@ -150,8 +151,9 @@ def record(chain: Chain, contacts: Sequence[Attachment], outputs: Sequence[str])
 def record_variation(chain: Chain, contact: Attachment) -> Program:
     """Record 2 g . u - u^T M u and its derivative with respect to q, for a given u.
 
-    For every u it is at most the mobility g^T M^-1 g, and at u = M^-1 g it is the mobility: a lower bound
-    that needs no factor of M. Inputs: q (n), direction (3), u (n); outputs: the value, its derivative (n).
+    For every u it is at most the mobility g^T M^-1 g, and at u = M^-1 g it is the mobility: a lower
+    bound that needs no factor of M. Inputs: q (n), direction (3), u (n); outputs: the value, its
+    derivative (n).
     """
     n = chain.size
     tracer = Tracer(2 * n + 3)

@@ -20,8 +20,8 @@ TOLERANCE = 1e-9
 """Largest position error (m) of a solved row."""
 
 ATTEMPTS = (13,) * 8 + (52,) * 8
-"""Most iterations of each attempt. Nine in ten succeed within 13; what is left after eight attempts needs
-patience rather than luck."""
+"""Most iterations of each attempt. Nine in ten succeed within 13; what is left after eight attempts
+needs patience rather than luck."""
 
 SPOT_CHECKS = 8
 """Rows per call compared with Pinocchio."""
@@ -54,18 +54,18 @@ def place(
 ) -> Placement:
     """Find configurations whose contact is at the given positions.
 
-    Projected Levenberg-Marquardt from a start and then from random restarts. A row's result depends on its
-    position, its row number, its start and the seed only.
+    Projected Levenberg-Marquardt from a start and then from random restarts. A row's result depends
+    on its position, its row number, its start and the seed only.
 
     Args:
         model: serial fixed-base arm.
         contact: 1-based joint and contact point in the joint's frame (m).
         positions: (N, 3) in the world (m).
         seed: of the random starts.
-        start: (n,) or (N, n) first configuration tried, clipped to the limits; joints that do not move the
-            contact keep it. None for a random one.
-        rows: (N,) row numbers that key the random starts; None for 0..N-1. A caller who splits a batch
-            passes the numbers in the whole.
+        start: (n,) or (N, n) first configuration tried, clipped to the limits; joints that do not
+            move the contact keep it. None for a random one.
+        rows: (N,) row numbers that key the random starts; None for 0..N-1. A caller who splits a
+            batch passes the numbers in the whole.
         threads: None for as many as help.
         backend: see `build_kernel`.
 
@@ -75,7 +75,6 @@ def place(
         KernelMismatchError: the positions found disagree with Pinocchio.
     """
     chain = Chain.from_model(model)
-    n = chain.size
     targets = np.asarray(positions, dtype=np.float64)
     if targets.ndim != 2 or targets.shape[1] != 3 or not np.isfinite(targets).all():
         raise InputError("positions", f"shape {targets.shape}", "finite (N, 3) (m) is expected")
@@ -101,9 +100,7 @@ class Search:
         movers: number of joints that move the contact.
     """
 
-    def __init__(
-        self, chain: Chain, iterate: Iteration, position: Runnable, movers: int
-    ) -> None:
+    def __init__(self, chain: Chain, iterate: Iteration, position: Runnable, movers: int) -> None:
         self.chain, self.iterate, self.position, self.movers = chain, iterate, position, movers
 
     def __call__(
@@ -134,9 +131,7 @@ class Search:
     def errors(self, q: Array, targets: Array, threads: int | None) -> Array:
         """Distances (N,) from the targets (m)."""
         fill = [np.zeros(1)] * 4
-        found = evaluate(
-            self.position, self.position.lanes, 3, [*q, *fill], q.shape[1], threads
-        )
+        found = evaluate(self.position, self.position.lanes, 3, [*q, *fill], q.shape[1], threads)
         return np.asarray(np.sqrt(((found - targets) ** 2).sum(axis=0)))
 
 

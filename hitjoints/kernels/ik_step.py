@@ -32,9 +32,10 @@ LEAST_DAMPING = 1e-10  # keeps a straight arm solvable
 def record_step(chain: Chain, contact: Attachment) -> Program:
     """Record one projected Levenberg-Marquardt step.
 
-    Inputs: q (n) and the target (3, world). Outputs: the next q (n), the squared error at q (m^2), and a
-    number that is positive while the error is too large. A joint on a bound that the error pushes outward
-    is left out of the step.
+    Inputs: q (n) and the target (3, world). Outputs: the next q (n), the squared error at q (m^2),
+        and a
+    number that is positive while the error is too large. A joint on a bound that the error pushes
+    outward is left out of the step.
     """
     n = chain.size
     tracer = Tracer(n + 3)
@@ -42,7 +43,9 @@ def record_step(chain: Chain, contact: Attachment) -> Program:
     arm = Arm(chain, tuple(q))
     last, point = contact
     reaches = arm.reaches(last - 1, point)
-    target = minus((tracer.inputs[n], tracer.inputs[n + 1], tracer.inputs[n + 2]), chain.base_position)
+    target = minus(
+        (tracer.inputs[n], tracer.inputs[n + 1], tracer.inputs[n + 2]), chain.base_position
+    )
     error = minus(arm.outward(0, minus(arm.in_base(target), arm.shifts[0])), reaches[0])
     square = dot(error, error)
     columns = [
@@ -58,9 +61,7 @@ def record_step(chain: Chain, contact: Attachment) -> Program:
     return tracer.program([*moved, square, square - SQUARE_TOLERANCE])
 
 
-def _unless_blocked(
-    column: Vector, push: Scalar, q: Number, lower: float, upper: float
-) -> Vector:
+def _unless_blocked(column: Vector, push: Scalar, q: Number, lower: float, upper: float) -> Vector:
     if math.isinf(lower) and math.isinf(upper):
         return column
     room = where_less(0.0, push, upper - q, q - lower)
@@ -90,9 +91,7 @@ def _solve(columns: list[Vector], damping: Scalar, e: Vector) -> Vector:
     c: Vector = (xz, yz, product(2, 2) + damping)
     bc, ca, ab = cross(b, c), cross(c, a), cross(a, b)
     scale = 1.0 / dot(a, bc)
-    x, y, z = (
-        (bc[k] * e[0] + ca[k] * e[1] + ab[k] * e[2]) * scale for k in range(3)
-    )
+    x, y, z = ((bc[k] * e[0] + ca[k] * e[1] + ab[k] * e[2]) * scale for k in range(3))
     return x, y, z
 
 

@@ -1,7 +1,7 @@
 """Run a program over boxes: bounds that hold for every point, rounding included.
 
-Every bound is rounded outward by one unit in the last place. NaN means "unknown" on its way through a
-program (a division by an interval around zero) and becomes an infinite bound at the end.
+Every bound is rounded outward by one unit in the last place. NaN means "unknown" on its way through
+a program (a division by an interval around zero) and becomes an infinite bound at the end.
 """
 
 from __future__ import annotations
@@ -42,17 +42,17 @@ def extremes(candidates: list[Array]) -> tuple[Array, Array]:
 
 
 def add(a: Interval, b: Interval) -> Interval:
-    """a + b."""
+    """A + b."""
     return outward(a.lower + b.lower, a.upper + b.upper)
 
 
 def subtract(a: Interval, b: Interval) -> Interval:
-    """a - b."""
+    """A - b."""
     return outward(a.lower - b.upper, a.upper - b.lower)
 
 
 def multiply(a: Interval, b: Interval) -> Interval:
-    """a b, with a = b taken as a square."""
+    """A b, with a = b taken as a square."""
     if a is b:
         low, high = absolute(a)
         return outward(low * low, high * high)
@@ -60,7 +60,7 @@ def multiply(a: Interval, b: Interval) -> Interval:
 
 
 def divide(a: Interval, b: Interval) -> Interval:
-    """a / b, unknown where b contains 0."""
+    """A / b, unknown where b contains 0."""
     around_zero = (b.lower <= 0.0) & (b.upper >= 0.0)
     bounds = [np.where(around_zero, np.nan, y) for y in b]
     return outward(*extremes([x / y for x in a for y in bounds]))

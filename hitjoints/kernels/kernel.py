@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -46,7 +45,8 @@ class Kernel:
     ) -> dict[str, Array]:
         """Evaluate all contacts at all configurations.
 
-        Where a contact cannot move along the direction (mobility below `MOBILITY_FLOOR`) the limits are
+        Where a contact cannot move along the direction (mobility below `MOBILITY_FLOOR`) the limits
+        are
         returned: inertia inf, gradient nan, speeds and fluxes 0.
 
         Args:
@@ -56,10 +56,11 @@ class Kernel:
             threads: None for as many as help; the results do not depend on it.
 
         Returns:
-            Each output with contacts and rows first: inertia (K, N) kg, gradient (K, N, n) kg/rad, speed and
-            straight_speed (K, N) m/s, flux and straight_flux (K, N) m/s, position (K, N, 3) m, jacobian
-            (K, N, 3, n) m/rad, mobility (K, N) 1/kg, mobility_gradient (K, N, n) 1/(kg rad), response (K, N, n) rad/s per N s. Arrays with
-            components are views with the rows contiguous.
+            Each output with contacts and rows first: inertia (K, N) kg, gradient (K, N, n) kg/rad,
+            speed and straight_speed (K, N) m/s, flux and straight_flux (K, N) m/s, position (K, N,
+            3) m, jacobian (K, N, 3, n) m/rad, mobility (K, N) 1/kg, mobility_gradient (K, N, n)
+            1/(kg rad), response (K, N, n) rad/s per N s. Arrays with components are views with the
+            rows contiguous.
 
         Raises:
             InputError: a shape does not fit, or the mass is missing.

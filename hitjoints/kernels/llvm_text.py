@@ -56,7 +56,7 @@ class Writer:
         self.lines.append(line)
 
     def binary(self, name: str, a: str, b: str) -> str:
-        """a (name) b; `contract` lets products and sums fuse."""
+        """A (name) b; `contract` lets products and sums fuse."""
         return self.let(f"{name} contract {self.type} {a}, {b}")
 
     def call(self, name: str, *arguments: str) -> str:
@@ -65,7 +65,7 @@ class Writer:
         return self.let(f"call {self.type} @llvm.{name}.{self.suffix}({listed})")
 
     def less(self, a: str, b: str) -> str:
-        """a < b, a vector of bits."""
+        """A < b, a vector of bits."""
         return self.let(f"fcmp olt {self.type} {a}, {b}")
 
     def select(self, condition: str, yes: str, no: str) -> str:
@@ -138,8 +138,9 @@ class Writer:
 def run_function(program: Program, lanes: int, rows_only: int, states: int) -> str:
     """IR of run(inputs, strides, out, rows, start, stop, iterations).
 
-    With states, the first outputs feed back into the first inputs and the last output says which lanes still
-    move (positive); the loop ends when none does. What comes out is what went into the last evaluation.
+    With states, the first outputs feed back into the first inputs and the last output says which
+    lanes still move (positive); the loop ends when none does. What comes out is what went into the
+    last evaluation.
 
     Args:
         program: what to run.

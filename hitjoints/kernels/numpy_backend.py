@@ -10,10 +10,10 @@ import numpy as np
 from hitjoints.kernels.trace import Program
 
 BLOCK = 4096
-"""Rows per block: long enough to hide the call, short enough for the live values to stay in cache."""
+"""Rows per block: long enough to hide the call, short enough for the live values to stay in
+cache."""
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
-
 
 
 def select(a: Array, b: Array, yes: Array | float, no: Array | float, out: Array) -> None:
@@ -64,7 +64,6 @@ class NumpyProgram:
     Args:
         program: what to run.
     """
-
 
     def __init__(self, program: Program) -> None:
         self.program, self.lanes = program, 1

@@ -1,4 +1,6 @@
-"""Inertial parameters with fewest non-zeros (Gautier 1990, Khalil 1994), the mass matrix unchanged."""
+"""Inertial parameters with fewest non-zeros (Gautier 1990, Khalil 1994), the mass matrix
+unchanged.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,9 @@ class Inertia:
 
     @classmethod
     def from_pinocchio(cls, inertia: pin.Inertia, frame: Array, slide: float) -> Inertia:
-        """Express a Pinocchio inertia in the frame rotated by `frame`, its origin `slide` back along z."""
+        """Express a Pinocchio inertia in the frame rotated by `frame`, its origin `slide` back
+        along z.
+        """
         centre = frame.T @ inertia.lever + np.array((0.0, 0.0, slide))
         tensor = frame.T @ inertia.inertia @ frame + inertia.mass * _about(centre, centre)
         return cls.of_matrix(inertia.mass, inertia.mass * centre, tensor)
@@ -60,8 +64,9 @@ def regroup(
 ) -> list[Inertia]:
     """Move into each parent what the joint's own motion cannot tell from it.
 
-    A turn about z leaves alone mass, moment along z and diag(J, J, 0); a slide leaves alone the whole
-    rotational inertia. Attached to the parent these parts have the same kinetic energy in every motion.
+    A turn about z leaves alone mass, moment along z and diag(J, J, 0); a slide leaves alone the
+    whole rotational inertia. Attached to the parent these parts have the same kinetic energy in
+    every motion.
 
     Args:
         bodies: inertias about the frames' origins, from the base.

@@ -15,7 +15,7 @@ Box = list[tuple[float, float]]
 
 
 def support(g: list[Scalar], box: Box) -> Scalar:
-    """max g . qd over the box (Eq. 9): every joint at the bound its sign asks for."""
+    """Max g . qd over the box (Eq. 9): every joint at the bound its sign asks for."""
     total: Scalar = 0.0
     for value, (low, high) in zip(g, box, strict=True):
         if low == -high:
@@ -39,11 +39,14 @@ def lateral(h: Vector) -> tuple[Vector, Vector]:
 def straight_support(
     g: list[Scalar], across: tuple[list[Scalar], list[Scalar]], box: Box
 ) -> Scalar:
-    """max g . qd over the box with a . qd = b . qd = 0: the fastest motion exactly along h.
+    """Max g . qd over the box with a . qd = b . qd = 0: the fastest motion exactly along h.
 
-    The dual min over mu of sum_i max over the box of (g_i + mu . (a_i, b_i)) qd_i is convex and piecewise
-    linear: its minimum is at a kink of two joints, of one joint if all lateral velocities are parallel, or
-    at 0 if there are none. Every mu gives an upper bound, so the least over all kinks is the maximum.
+    The dual min over mu of sum_i max over the box of (g_i + mu . (a_i, b_i)) qd_i is convex and
+    piecewise
+    linear: its minimum is at a kink of two joints, of one joint if all lateral velocities are
+        parallel, or
+    at 0 if there are none. Every mu gives an upper bound, so the least over all kinks is the
+    maximum.
 
     Args:
         g: speed along h per joint speed (n).
@@ -79,7 +82,5 @@ def _dual(
     y: Scalar,
     kinks: tuple[int, ...],
 ) -> Scalar:
-    reduced = [
-        0.0 if i in kinks else g[i] + (x * a[i] + y * b[i]) for i in range(len(g))
-    ]
+    reduced = [0.0 if i in kinks else g[i] + (x * a[i] + y * b[i]) for i in range(len(g))]
     return support(reduced, box)

@@ -1,4 +1,6 @@
-"""Random configurations from counters: row, seed, attempt and joint give the number, nothing else does."""
+"""Random configurations from counters: row, seed, attempt and joint give the number, nothing else
+does.
+"""
 
 from __future__ import annotations
 
@@ -26,8 +28,8 @@ def random_starts(
 ) -> Array:
     """Uniform configurations (n, N) within the position limits, +-pi for an unbounded joint."""
     n = chain.size
-    low = [max(link.lower, -math.pi) if math.isinf(link.lower) else link.lower for link in chain.links]
-    high = [min(link.upper, math.pi) if math.isinf(link.upper) else link.upper for link in chain.links]
+    low = [-math.pi if math.isinf(link.lower) else link.lower for link in chain.links]
+    high = [math.pi if math.isinf(link.upper) else link.upper for link in chain.links]
     keys = [mix(mix(mix(seed & MASK) + attempt) + joint) for joint in range(n)]
     counters = rows.astype(np.uint64)
     q = np.empty((n, len(rows)))
@@ -39,7 +41,8 @@ def random_starts(
                 unit = _unit(block + np.uint64(keys[joint]))
                 unit *= high[joint] - low[joint]
                 unit += low[joint]
-                np.clip(unit, low[joint], high[joint], out=q[joint, a : a + len(block)])
+                link = chain.links[joint]
+                np.clip(unit, link.lower, link.upper, out=q[joint, a : a + len(block)])
 
     over_rows(fill, len(rows), threads)
     return q

@@ -116,7 +116,7 @@ class Tracer:
         return Number(self, self.known[operation])
 
     def negated(self, number: Number) -> Number | None:
-        """x if the number is -x."""
+        """X if the number is -x."""
         step = number.index - len(self.inputs)
         if step >= 0 and self.operations[step].name == "neg":
             (operand,) = self.operations[step].operands
@@ -129,7 +129,7 @@ class Tracer:
         return self.record("neg", a) if positive is None else positive
 
     def add(self, a: Number, b: Scalar) -> Scalar:
-        """a + b, signs pulled into a subtraction."""
+        """A + b, signs pulled into a subtraction."""
         if not isinstance(b, Number):
             if b == 0.0:
                 return a
@@ -194,23 +194,22 @@ def absolute(x: Scalar) -> Scalar:
 
 def minimum(a: Scalar, b: Scalar) -> Scalar:
     """The smaller of a and b."""
-    for x in (a, b):
-        if isinstance(x, Number):
-            return x.tracer.record("min", a, b)
-    return min(a, b)
+    if isinstance(a, Number):
+        return a.tracer.record("min", a, b)
+    return b.tracer.record("min", a, b) if isinstance(b, Number) else min(a, b)
 
 
 def maximum(a: Scalar, b: Scalar) -> Scalar:
     """The larger of a and b."""
-    for x in (a, b):
-        if isinstance(x, Number):
-            return x.tracer.record("max", a, b)
-    return max(a, b)
+    if isinstance(a, Number):
+        return a.tracer.record("max", a, b)
+    return b.tracer.record("max", a, b) if isinstance(b, Number) else max(a, b)
 
 
 def where_less(a: Scalar, b: Scalar, yes: Scalar, no: Scalar) -> Scalar:
     """`yes` where a < b, else `no`."""
-    for x in (a, b):
-        if isinstance(x, Number):
-            return x.tracer.record("select", a, b, yes, no)
+    if isinstance(a, Number):
+        return a.tracer.record("select", a, b, yes, no)
+    if isinstance(b, Number):
+        return b.tracer.record("select", a, b, yes, no)
     return yes if a < b else no

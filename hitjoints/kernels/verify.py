@@ -28,10 +28,20 @@ TOLERANCES = {
     "straight_speed": 1e-8,
     "straight_flux": 1e-8,
 }
-"""Largest deviation, relative to the size of the quantity (and to 1 m for kinematics)."""
+"""Largest deviation, for kinematics and speeds relative to 1 plus their size, else to their
+size."""
 
 NEARLY_STUCK = 1e-8
 """Below this mobility (1/kg) a sample is too close to an infeasible direction to compare."""
+
+KINEMATIC = frozenset({"position", "jacobian"})
+RELATIVE = frozenset({"inertia", "mobility", "gradient", "mobility_gradient", "response"})
+STRAIGHT = frozenset({"straight_speed", "straight_flux"})
+STRAIGHT_SAMPLES = 8
+"""Samples on which the straight speed is compared: each takes a small enumeration."""
+
+MOST_LOOSE = 4
+"""Joints besides the pair that a degenerate vertex may leave undecided."""
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -74,7 +84,7 @@ class Reference:
 
 
 def samples(model: pin.Model, count: int = SAMPLES) -> tuple[Array, Array, Array]:
-    """Configurations (count, n) within limits, unit directions (count, 3) and masses (count,) kg."""
+    """Configurations (count, n) within limits, unit directions (count, 3), masses (count,) kg."""
     random = np.random.default_rng(0)
     low = np.maximum(model.lowerPositionLimit, -np.pi)
     high = np.minimum(model.upperPositionLimit, np.pi)
@@ -102,30 +112,25 @@ def check(
     """
     data = model.createData()
     low, high = velocity_limits(model)
-    attained = {name: 0 for name in ("straight_speed", "straight_flux") if name in results}
     for k, contact in enumerate(contacts):
         for i, (q, h, mass) in enumerate(zip(*inputs, strict=True)):
             reference = Reference.at(model, data, q, contact, h)
+            moves = reference.mobility > NEARLY_STUCK
             expected = _expected(reference, h, float(mass), low, high)
-            for name, values in results.items():
-                value, moves = values[k, i], reference.mobility > NEARLY_STUCK
-                if name in attained:
-                    fastest = straight_primal(reference.jacobian, h, low, high)
-                    if name == "straight_flux":
-                        fastest /= 1.0 + mass * reference.mobility
-                    gap = float(value - fastest)
-                    scale = TOLERANCES[name] * (1.0 + abs(fastest))
-                    attained[name] += not moves or abs(gap) <= scale
-                    _refuse(name, contact, -gap, scale if moves else np.inf)
-                elif name in {"position", "jacobian"} or moves:
-                    scale = TOLERANCES[name] * _size(name, expected)
-                    _refuse(name, contact, float(np.abs(value - expected[name]).max()), scale)
-    for name, count in attained.items():
-        if not count:
-            raise KernelMismatchError(f"{name}: no sample reaches the speed the kernel claims")
+            if STRAIGHT.intersection(results) and i < STRAIGHT_SAMPLES:
+                speed = straight_optimum(reference.jacobian, h, low, high)
+                expected["straight_speed"] = speed
+                expected["straight_flux"] = speed / (1.0 + mass * reference.mobility)
+            for name in results.keys() & expected.keys():
+                if np.isnan(expected[name]).any() or not (moves or name in KINEMATIC):
+                    continue
+                deviation = float(np.abs(results[name][k, i] - expected[name]).max())
+                _refuse(name, contact, deviation, TOLERANCES[name] * _size(name, expected))
 
 
-def _expected(reference: Reference, h: Array, mass: float, low: Array, high: Array) -> dict[str, Any]:
+def _expected(
+    reference: Reference, h: Array, mass: float, low: Array, high: Array
+) -> dict[str, Any]:
     g = reference.jacobian.T @ h
     mobility = max(reference.mobility, NEARLY_STUCK)
     speed = np.where(g > 0.0, high, low) @ g if g.any() else 0.0
@@ -143,7 +148,7 @@ def _expected(reference: Reference, h: Array, mass: float, low: Array, high: Arr
 
 
 def _size(name: str, expected: Mapping[str, Any]) -> float:
-    if name in {"position", "jacobian", "speed", "flux"}:
+    if name not in RELATIVE:
         return 1.0 + float(np.abs(expected[name]).max())
     whole = {"gradient": "inertia", "mobility_gradient": "mobility"}.get(name, name)
     return max(float(np.abs(expected[part]).max()) for part in (name, whole))
@@ -157,28 +162,37 @@ def _refuse(name: str, contact: tuple[int, Triple], deviation: float, allowed: f
         )
 
 
-def straight_primal(J: Array, h: Array, low: Array, high: Array) -> float:
-    """A speed (m/s) along h that joint speeds in the box reach without moving sideways.
+def straight_optimum(J: Array, h: Array, low: Array, high: Array) -> float:
+    """Largest speed (m/s) exactly along h within the box, nan if no vertex could be certified.
 
-    For every pair of joints the others go to the bounds their reduced cost asks for and the pair cancels the
-    lateral motion. The best feasible one is the maximum unless the vertex is degenerate.
+    For every pair of joints the others go to the bounds their reduced costs ask for and the pair
+    cancels the lateral motion. Joint speeds found so are optimal as soon as they are feasible:
+    complementary slackness.
     """
     g = J.T @ h
     across = np.linalg.svd(h[None, :])[2][1:] @ J
-    best = 0.0
     norms = np.linalg.norm(across, axis=0)
-    pairs = [list(pair) for pair in itertools.combinations(np.flatnonzero(norms), 2)]
-    parallel = [
-        abs(np.linalg.det(across[:, pair])) <= PARALLEL * norms[pair].prod() for pair in pairs
+    pairs = [list(pair) for pair in itertools.combinations(np.flatnonzero(norms).tolist(), 2)]
+    bases = [
+        pair
+        for pair in pairs
+        if abs(np.linalg.det(across[:, pair])) > PARALLEL * norms[pair].prod()
     ]
-    bases = [pair for pair, flat in zip(pairs, parallel, strict=True) if not flat]
-    for base in bases or [[i] for i in range(len(g))]:
+    singles = [[i] for i in range(len(g))]
+    for base in bases or singles:
         mu = np.linalg.lstsq(across[:, base].T, -g[base], rcond=PARALLEL)[0]
         reduced = g + mu @ across
-        qd = np.where(reduced > 0.0, high, low)
-        qd[base] = 0.0
-        qd[base] = np.linalg.lstsq(across[:, base], -across @ qd, rcond=PARALLEL)[0]
-        inside = np.all((qd >= low - 1e-12) & (qd <= high + 1e-12))
-        if inside and np.abs(across @ qd).max() <= 1e-12:
-            best = max(best, float(g @ qd))
-    return best
+        noise = 1e-13 * (np.abs(g) + np.abs(mu) @ np.abs(across))
+        loose = [
+            i for i in np.flatnonzero((np.abs(reduced) <= noise) & (norms > 0.0)) if i not in base
+        ]
+        for corner in itertools.product((low, high), repeat=min(len(loose), MOST_LOOSE)):
+            qd = np.where(reduced > 0.0, high, low)
+            for i, bound in zip(loose, corner, strict=False):
+                qd[i] = bound[i]
+            qd[base] = 0.0
+            qd[base] = np.linalg.lstsq(across[:, base], -across @ qd, rcond=PARALLEL)[0]
+            inside = np.all((qd >= low - 1e-12) & (qd <= high + 1e-12))
+            if inside and np.abs(across @ qd).max() <= 1e-12:
+                return float(g @ qd)
+    return np.nan

@@ -75,7 +75,8 @@ def _write_netcdf(dataset: Dataset, path: Path) -> None:
         file.dimensions = dict(dataset.sizes)
         for key, value in dataset.attrs.items():
             # NetCDF attributes are flat; a nested one is kept as text.
-            flat = isinstance(value, (str, int, float)) or np.ndim(value) == 1
+            parts = value if isinstance(value, list) else [value]
+            flat = all(isinstance(part, (str, int, float)) for part in parts)
             file.attrs[key] = value if flat else str(value)
         for name, variable in dataset.variables.items():
             kind = np.dtype("int8") if variable.dtype == bool else variable.dtype
@@ -84,10 +85,9 @@ def _write_netcdf(dataset: Dataset, path: Path) -> None:
         for name in dataset.coords:
             file[str(name)][...] = dataset[name].values
         for part, where in _parts(dataset):
-            for name, variable in part.data_vars.items():
-                file[str(name)][tuple(where.get(d, slice(None)) for d in variable.dims)] = (
-                    variable.values
-                )
+            for name, values in part.data_vars.items():
+                cut = tuple(where.get(str(d), slice(None)) for d in values.dims)
+                file[str(name)][cut] = values.values
 
 
 def _write_csv(dataset: Dataset, path: Path) -> None:

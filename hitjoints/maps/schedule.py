@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from hitjoints.errors import InputError, MissingExtraError
+from hitjoints.kernels.rows import available_cpus
 from hitjoints.maps.cells import Question, evaluate
 from hitjoints.maps.grid import Grid
 
@@ -17,7 +20,7 @@ if TYPE_CHECKING:
 
 CONNECT_TIMEOUT = 10.0  # s
 RETRIES = 3  # of a block whose worker died under it
-AHEAD = 4  # blocks queued per worker thread: enough to keep it busy, few enough to hold in memory
+AHEAD = 2  # blocks in flight per worker: enough to keep it busy, few enough to hold in memory
 
 
 def run_blocks(
@@ -28,7 +31,7 @@ def run_blocks(
     scheduler: str | None = None,
     threads: int | None = None,
 ) -> Iterator[Result]:
-    """Yield the values of each block as it is computed.
+    """Yield the values of each block as it is computed, in whatever order.
 
     Args:
         question, grid, indices: what to compute.
@@ -37,48 +40,50 @@ def run_blocks(
 
     Raises:
         MissingExtraError: a scheduler is named, and dask.distributed is not installed.
-        InputError: the scheduler does not answer.
+        InputError: the scheduler does not answer, or threads is below 1.
     """
     if scheduler is None:
-        for index in indices:
-            yield index, evaluate(question, *grid.positions(index), threads)
+        workers = available_cpus() if threads is None else threads
+        if workers < 1:
+            raise InputError("threads", threads, "at least 1")
+        with ThreadPoolExecutor(workers) as pool:
+            yield from _run(pool, workers, question, grid, indices)
     else:
-        yield from _on_cluster(question, grid, indices, scheduler)
+        with _cluster(scheduler) as client:
+            # Sent once; a worker that takes the place of a dead one gets it again.
+            shared = client.scatter(question, broadcast=True, hash=False)
+            workers = max(1, sum(client.nthreads().values()))
+            pool = client.get_executor(pure=False, retries=RETRIES)
+            yield from _run(pool, workers, shared, grid, indices)
 
 
-def _on_cluster(
-    question: Question, grid: Grid, indices: list[Index], scheduler: str
+def _run(
+    pool: Any, workers: int, question: Any, grid: Grid, indices: list[Index]
 ) -> Iterator[Result]:
+    """Keep the workers busy, but no more results in memory than a few per worker."""
+    waiting = iter(indices)
+    running: set[Future[Result]] = set()
+    while True:
+        for index in islice(waiting, AHEAD * workers - len(running)):
+            running.add(pool.submit(_task, index, question, *grid.positions(index)))
+        if not running:
+            return
+        finished, running = wait(running, return_when=FIRST_COMPLETED)
+        while finished:
+            yield finished.pop().result()
+
+
+def _task(index: Index, question: Question, positions: Any, numbers: Any) -> Result:
+    # The blocks themselves are what runs in parallel.
+    return index, evaluate(question, positions, numbers, threads=1)
+
+
+def _cluster(scheduler: str) -> Any:
     try:
         import distributed
     except ImportError:
         raise MissingExtraError("distributed", "dask") from None
     try:
-        client = distributed.Client(scheduler, timeout=CONNECT_TIMEOUT, set_as_default=False)
+        return distributed.Client(scheduler, timeout=CONNECT_TIMEOUT, set_as_default=False)
     except (OSError, ValueError) as error:
         raise InputError("scheduler", scheduler, f"no Dask scheduler answers ({error})") from None
-    with client, client.as_current():
-        # Sent once; a worker that dies is replaced and gets it again.
-        shared = client.scatter(question, broadcast=True, hash=False)
-        waiting = iter(indices)
-
-        def submit(index: Index) -> Any:
-            # Dask runs one task per worker thread, so a task keeps to one thread itself.
-            positions, numbers = grid.positions(index)
-            return client.submit(
-                _task, index, shared, positions, numbers, pure=False, retries=RETRIES
-            )
-
-        room = AHEAD * max(1, sum(client.nthreads().values()))
-        running = distributed.as_completed()
-        for _, index in zip(range(room), waiting, strict=False):
-            running.add(submit(index))
-        for future in running:
-            yield future.result()
-            for index in waiting:
-                running.add(submit(index))
-                break
-
-
-def _task(index: Index, question: Question, positions: Any, numbers: Any) -> Result:
-    return index, evaluate(question, positions, numbers, threads=1)

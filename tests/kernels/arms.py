@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-# origin xyz, origin rpy in multiples of pi, position and velocity limit (deg), mass, com, inertia xx yy zz
+# origin xyz, origin rpy in multiples of pi, position and velocity limit (deg), mass, com,
+# inertia xx yy zz
 IIWA14 = (
     ((0, 0, 0.1575), (0, 0, 0), 170, 85, 4, (0, -0.03, 0.12), (0.1, 0.09, 0.02)),
     ((0, 0, 0.2025), (0.5, 0, 1), 120, 85, 4, (0.0003, 0.059, 0.042), (0.05, 0.018, 0.044)),
@@ -61,10 +62,12 @@ def random_chain(seed: int, joints: int | None = None, prismatic: float = 0.25) 
         axis = rng.normal(size=3)
         axis /= np.linalg.norm(axis)
         if skew:
-            joint = (pin.JointModelPrismaticUnaligned if slides else pin.JointModelRevoluteUnaligned)(axis)
+            joint = (
+                pin.JointModelPrismaticUnaligned if slides else pin.JointModelRevoluteUnaligned
+            )(axis)
         else:
             joint = (sliding if slides else aligned)[rng.integers(3)]()
-        rotation = pin.Quaternion(*(lambda x: x / np.linalg.norm(x))(rng.normal(size=4))).matrix()
+        rotation = pin.Quaternion(rng.normal(size=4)).normalized().matrix()
         placement = pin.SE3(rotation, rng.uniform(-0.4, 0.4, 3))
         parent = model.addJoint(parent, joint, placement, f"joint_{i + 1}")
         spread = rng.normal(size=(3, 8))

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from hitjoints.errors import InputError, KernelMismatchError, ModelError
 from hitjoints.kernels import Chain, build_kernel
-from hitjoints.kernels.dynamics import Factor, mass_matrix
 from hitjoints.kernels.arm import Arm
+from hitjoints.kernels.dynamics import Factor, mass_matrix
 from hitjoints.kernels.verify import Reference
 
 OUTPUTS = ("inertia", "gradient", "position", "jacobian", "mobility_gradient", "response")
@@ -74,7 +74,9 @@ def test_gradient_matches_central_differences(backend):
         shift = step * np.eye(model.nv)[i]
         ahead, behind = (kernel(q + s * shift, h)["inertia"][0] for s in (1.0, -1.0))
         size = 1.0 + np.abs(exact["inertia"][0]) ** 2
-        assert np.all(np.abs((ahead - behind) / (2 * step) - exact["gradient"][0, :, i]) < 1e-7 * size)
+        assert np.all(
+            np.abs((ahead - behind) / (2 * step) - exact["gradient"][0, :, i]) < 1e-7 * size
+        )
 
 
 def test_opposite_direction_gives_the_same_inertia():

@@ -1,5 +1,7 @@
 """Interval bounds: never wrong, and sharp enough to be of use."""
 
+import itertools
+
 import arms
 import numpy as np
 import pytest
@@ -55,7 +57,9 @@ def test_no_sample_is_ever_outside(make, backend):
     bounds = build_bounds(model, contacts, OUTPUTS)
     kernel = build_kernel(model, contacts, OUTPUTS, backend)
     random = np.random.default_rng(0)
-    width = 10.0 ** random.uniform(-9.0, 0.8, (boxes, 1)) * random.uniform(0.0, 1.0, (boxes, model.nv))
+    width = 10.0 ** random.uniform(-9.0, 0.8, (boxes, 1)) * random.uniform(
+        0.0, 1.0, (boxes, model.nv)
+    )
     lower = arms.configurations(model, boxes) - 0.5 * width
     upper = lower + width
     found = bounds(lower, upper, h, mass=2.0)
@@ -78,7 +82,7 @@ def test_bounds_converge_under_subdivision():
         excess.append(np.median(found.upper[0] / exact - 1.0))
         shortfall.append(np.median(1.0 - found.lower[0] / exact))
     assert excess[0] < 0.5
-    assert all(later < 0.2 * earlier for earlier, later in zip(excess, excess[1:], strict=False))
+    assert all(later < 0.2 * earlier for earlier, later in itertools.pairwise(excess))
     assert excess[3] < 1e-3
     assert shortfall[3] < 1e-3
 

@@ -24,7 +24,9 @@ def test_backends_agree(make, shared):
         for name in ("llvm", "numpy")
     )
     for name, values in llvm.items():
-        scale = np.maximum(1.0, np.abs(plain[name]).max(axis=tuple(range(2, values.ndim)), keepdims=True))
+        scale = np.maximum(
+            1.0, np.abs(plain[name]).max(axis=tuple(range(2, values.ndim)), keepdims=True)
+        )
         feasible = plain["mobility"] > 1e-6
         deviation = (np.abs(values - plain[name]) / scale)[feasible]
         assert deviation.max() < 1e-8, name

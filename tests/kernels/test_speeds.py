@@ -6,7 +6,7 @@ import pytest
 from scipy.optimize import linprog
 
 from hitjoints.kernels import build_kernel
-from hitjoints.kernels.verify import straight_primal
+from hitjoints.kernels.verify import straight_optimum
 
 
 def fastest(J, h, low, high, straight):
@@ -47,9 +47,12 @@ def test_straight_speed_is_reached_in_thousands_of_configurations():
     kernel = build_kernel(model, [(6, (0.03, 0.01, 0.0))], ("straight_speed", "speed", "jacobian"))
     result, limit = kernel(q, h), model.velocityLimit
     reached = [
-        straight_primal(J, n, -limit, limit) for J, n in zip(result["jacobian"][0], h, strict=True)
+        straight_optimum(J, n, -limit, limit) for J, n in zip(result["jacobian"][0], h, strict=True)
     ]
-    assert result["straight_speed"][0] == pytest.approx(np.array(reached), rel=1e-9, abs=1e-12)
+    certified = np.isfinite(reached)
+    assert certified.mean() > 0.99
+    exact = np.array(reached)[certified]
+    assert result["straight_speed"][0][certified] == pytest.approx(exact, rel=1e-9, abs=1e-12)
     assert np.all(result["straight_speed"] <= result["speed"] * (1.0 + 1e-12))
 
 

@@ -16,7 +16,8 @@ def test_constants_fold():
     tracer = Tracer(1)
     (x,) = tracer.inputs
     assert 0.0 * x == 0.0
-    assert (x * 1.0).index == (x + 0.0).index == (-(-x)).index == x.index
+    minus = -x
+    assert (x * 1.0).index == (x + 0.0).index == (-minus).index == x.index
     assert x - x == 0.0
     assert 0.0 / x == 0.0
     assert tracer.program([2.0 * x]).count == 1
@@ -27,9 +28,7 @@ def test_shared_work_is_recorded_once_and_dead_work_not_at_all():
     x, y = tracer.inputs
     sin(x * y)
     program = tracer.program([x * y + y * x, -x * y])
-    assert [operation.name for operation in program.operations] == ["mul", "neg", "add"] or (
-        program.count == 3
-    )
+    assert sorted(operation.name for operation in program.operations) == ["add", "mul", "neg"]
 
 
 def build(choices, tracer):

@@ -190,7 +190,7 @@ def test_another_map_is_refused(robot, tmp_path):
         hj.sweep_workspace(robot, *AXES, H, 2.0, samples=2, joints=[6], out=out)
     with pytest.raises(InputError, match="another mass"):
         hj.sweep_workspace(robot, *AXES, H, 1.0, samples=2, out=out)
-    with pytest.raises(InputError, match="another robot, robot_digest"):
+    with pytest.raises(InputError, match="another title, robot, robot_digest"):
         hj.sweep_workspace(hj.load_robot("iiwa7"), *AXES, H, 2.0, samples=2, out=out)
     other = tmp_path / "other.zarr"
     other.mkdir()
@@ -209,7 +209,7 @@ def test_memory_is_that_of_a_block_not_of_the_map(robot, monkeypatch, tmp_path):
     monkeypatch.setattr(module, "POSITIONS_PER_BLOCK", 100)
 
     def peak(count: int) -> int:
-        axes = np.linspace(0.2, 0.8, 10), np.linspace(-0.4, 0.4, 10), np.linspace(0.3, 0.6, count)
+        axes = np.linspace(0.4, 0.5, 10), np.linspace(-0.2, 0.2, 10), np.linspace(0.4, 0.6, count)
         tracemalloc.start()
         hj.sweep_workspace(
             robot, *axes, H[0], 2.0, joints=[6], samples=1000, out=tmp_path / f"{count}.zarr"
