@@ -14,10 +14,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.harness import Row
+from benchmarks.harness import Figure, Row
 
-MODULES = ("startup", "single_call", "kernels", "workspace")
-PACKAGES = ("pin", "proxsuite", "numpy", "llvmlite", "xarray", "zarr")
+MODULES = ("startup", "single_call", "programs", "kernels", "workspace")
+PACKAGES = ("pin", "proxsuite", "numpy", "scipy", "llvmlite", "xarray", "zarr")
 
 
 TABLE = Path(__file__).parents[1] / "docs" / "benchmarks_table.md"
@@ -27,7 +27,7 @@ COLUMNS = ("what", "ours", "peer", "ours", "peer", "ratio", "min .. max", "targe
 def main(words: list[str]) -> None:
     """Measure, print, and with --write keep the table for the documentation."""
     chosen = [word for word in words if not word.startswith("-")] or list(MODULES)
-    rows: list[Row] = []
+    rows: list[Row | Figure] = []
     for name in chosen:
         print(f"measuring {name} ...", file=sys.stderr)
         rows += import_module(f"benchmarks.{name}").measure()
@@ -53,7 +53,10 @@ def _circumstances() -> str:
     )
 
 
-def _cells(row: Row) -> tuple[str, ...]:
+def _cells(row: Row | Figure) -> tuple[str, ...]:
+    verdict = "" if not row.target else "met" if row.met else "NOT met"
+    if isinstance(row, Figure):
+        return row.what, f"{row.value:.3g} {row.unit}", "", "", "", "", "", row.target, verdict
     return (
         row.what,
         row.ours,
@@ -63,7 +66,7 @@ def _cells(row: Row) -> tuple[str, ...]:
         f"{row.ratio:.3g}x {'the cost' if row.meaning == 'cost' else 'faster'}",
         f"{row.low:.3g} .. {row.high:.3g}",
         row.target,
-        "" if not row.target else "met" if row.met else "NOT met",
+        verdict,
     )
 
 

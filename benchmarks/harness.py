@@ -37,10 +37,30 @@ class Row:
     @property
     def met(self) -> bool:
         """The target is reached (or there is none)."""
-        sign, _, number = self.target.partition(" ")
-        if not number:
-            return True
-        return self.ratio <= float(number) if sign == "<=" else self.ratio >= float(number)
+        return meets(self.ratio, self.target)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One number that is not a comparison."""
+
+    what: str
+    value: float
+    unit: str
+    target: str = ""
+
+    @property
+    def met(self) -> bool:
+        """The target is reached (or there is none)."""
+        return meets(self.value, self.target)
+
+
+def meets(value: float, target: str) -> bool:
+    """Tell whether a value meets a target such as "<= 2.5"."""
+    sign, _, number = target.partition(" ")
+    if not number:
+        return True
+    return value <= float(number) if sign == "<=" else value >= float(number)
 
 
 def compare(

@@ -12,12 +12,12 @@ from hitjoints.kernels.trace import Scalar, Vector, cos, sin
 
 
 def dot(a: Vector, b: Vector) -> Scalar:
-    """A . b."""
+    """Dot product a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: Vector, b: Vector) -> Vector:
-    """A x b."""
+    """Cross product a x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], cross_z(a, b)
 
 
@@ -27,12 +27,12 @@ def cross_z(a: Vector, b: Vector) -> Scalar:
 
 
 def plus(a: Vector, b: Vector) -> Vector:
-    """A + b."""
+    """Sum a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 def minus(a: Vector, b: Vector) -> Vector:
-    """A - b."""
+    """Difference a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 

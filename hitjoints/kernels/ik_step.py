@@ -26,7 +26,7 @@ from hitjoints.kernels.trace import (
 
 SQUARE_TOLERANCE = 1e-20  # m^2: the iteration rests a decade below what callers are promised
 DAMPING = 0.1  # times the squared error: large steps far away, Newton's near the solution
-LEAST_DAMPING = 1e-10  # keeps a straight arm solvable
+LEAST_DAMPING = 1e-12  # keeps a straight arm solvable
 
 
 def record_step(chain: Chain, contact: Attachment) -> Program:

@@ -42,17 +42,17 @@ def extremes(candidates: list[Array]) -> tuple[Array, Array]:
 
 
 def add(a: Interval, b: Interval) -> Interval:
-    """A + b."""
+    """Sum a + b."""
     return outward(a.lower + b.lower, a.upper + b.upper)
 
 
 def subtract(a: Interval, b: Interval) -> Interval:
-    """A - b."""
+    """Difference a - b."""
     return outward(a.lower - b.upper, a.upper - b.lower)
 
 
 def multiply(a: Interval, b: Interval) -> Interval:
-    """A b, with a = b taken as a square."""
+    """Product a b, with a = b taken as a square."""
     if a is b:
         low, high = absolute(a)
         return outward(low * low, high * high)
@@ -60,7 +60,7 @@ def multiply(a: Interval, b: Interval) -> Interval:
 
 
 def divide(a: Interval, b: Interval) -> Interval:
-    """A / b, unknown where b contains 0."""
+    """Quotient a / b, unknown where b contains 0."""
     around_zero = (b.lower <= 0.0) & (b.upper >= 0.0)
     bounds = [np.where(around_zero, np.nan, y) for y in b]
     return outward(*extremes([x / y for x in a for y in bounds]))

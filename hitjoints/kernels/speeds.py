@@ -15,7 +15,7 @@ Box = list[tuple[float, float]]
 
 
 def support(g: list[Scalar], box: Box) -> Scalar:
-    """Max g . qd over the box (Eq. 9): every joint at the bound its sign asks for."""
+    """Largest g . qd over the box (Eq. 9): every joint at the bound its sign asks for."""
     total: Scalar = 0.0
     for value, (low, high) in zip(g, box, strict=True):
         if low == -high:
@@ -39,7 +39,7 @@ def lateral(h: Vector) -> tuple[Vector, Vector]:
 def straight_support(
     g: list[Scalar], across: tuple[list[Scalar], list[Scalar]], box: Box
 ) -> Scalar:
-    """Max g . qd over the box with a . qd = b . qd = 0: the fastest motion exactly along h.
+    """Largest g . qd over the box with a . qd = b . qd = 0: the fastest motion exactly along h.
 
     The dual min over mu of sum_i max over the box of (g_i + mu . (a_i, b_i)) qd_i is convex and
     piecewise

@@ -129,7 +129,7 @@ class Tracer:
         return self.record("neg", a) if positive is None else positive
 
     def add(self, a: Number, b: Scalar) -> Scalar:
-        """A + b, signs pulled into a subtraction."""
+        """Sum a + b, signs pulled into a subtraction."""
         if not isinstance(b, Number):
             if b == 0.0:
                 return a

@@ -2,7 +2,7 @@
 
 The batch kernels give inertias and their gradients; the planner also needs second derivatives of
 positions, which have a closed form in the joint axes: d J_i / d q_j = w_a x J_b with a the smaller
-and b the larger of i and j, w the axis of a revolute joint and zero for a prismatic one.
+and b the larger of i and j, w the axis of a revolute joint, zero for a prismatic one.
 """
 
 from __future__ import annotations
@@ -94,16 +94,39 @@ class Geometry:
         columns[:, slides] = poses.axes[:, slides]
         return position, columns
 
-    def bend(self, poses: Poses, columns: Array, direction: Array) -> Array:
-        """Return d (J^T a)_i / d q_j, (N, n, n), symmetric, for a vector a (3,).
+    def row(self, poses: Poses, contact: Contact, direction: Array) -> tuple[Array, Array]:
+        """Return a contact's height a . chi (N,) m along a direction, and its gradient (N, n)."""
+        last = contact.joint - 1
+        position = poses.origins[last]
+        if any(contact.offset):
+            position = position + poses.rotations[last] @ np.array(contact.offset)
+        reach = position[:, None, :] - np.moveaxis(poses.origins[: last + 1], 0, 1)
+        axes = poses.axes[:, : last + 1]
+        row = np.zeros(poses.axes.shape[:2])
+        row[:, : last + 1] = np.where(
+            self.revolute[: last + 1],
+            (cross(direction, axes) * reach).sum(axis=2),
+            axes @ direction,
+        )
+        return position @ direction, row
+
+    def bend(self, poses: Poses, columns: Array, qd: Array) -> Array:
+        """Return d (J qd) / d q_j at fixed qd, (N, n, 3).
+
+        Turning joint j turns what the joints from j on contribute to the velocity; the joints
+        before it turn its own column.
 
         Args:
             poses, columns: of the configurations and of the contact.
-            direction: a.
+            qd: (N, n) rad/s.
         """
-        turning = cross(direction, poses.axes * self.revolute[:, None])
-        upper = np.triu(turning @ columns.transpose(0, 2, 1))
-        return np.asarray(upper + np.triu(upper, 1).transpose(0, 2, 1))
+        spins = poses.axes * self.revolute[:, None]
+        moved = columns * qd[:, :, None]
+        beyond = np.cumsum(moved[:, ::-1], axis=1)[:, ::-1]
+        turned = np.cumsum(spins * qd[:, :, None], axis=1)
+        before = np.zeros_like(turned)
+        before[:, 1:] = turned[:, :-1]
+        return cross(spins, beyond) + cross(before, columns)
 
 
 def cross(a: Any, b: Any) -> Array:

@@ -130,10 +130,13 @@ class HitProblem:
         poses = self.geometry.poses(q) if hit.away or self.objective == "away" else None
         found = self.kernel(q, hit.direction)
         mobility = np.where(found["mobility"][0] < LEAST_MOBILITY, np.nan, found["mobility"][0])
-        flux = np.log(found["speed"][0] / (1.0 + hit.mass * mobility))
+        with np.errstate(divide="ignore"):
+            flux = np.log(found["speed"][0]) - np.log1p(hit.mass * mobility)
         value = flux if self.objective == "flux" else -np.log(mobility)
         if poses is not None:
-            gap = (self._end(poses, hit.beyond) - poses.origins[hit.contact.joint - 1]) @ hit.direction
+            gap = (
+                self._end(poses, hit.beyond) - poses.origins[hit.contact.joint - 1]
+            ) @ hit.direction
             if self.objective == "away":
                 value = -gap
             else:
@@ -142,7 +145,8 @@ class HitProblem:
             excess = excess + np.maximum(np.log(self.flux) + FLUX_MARGIN - flux, 0.0)
         if self.straight:
             kernel = kernel_for(hit.robot, (hit.contact,), ("straight_flux",))
-            value = np.log(kernel(q, hit.direction, hit.mass)["straight_flux"][0])
+            with np.errstate(divide="ignore"):
+                value = np.log(kernel(q, hit.direction, hit.mass)["straight_flux"][0])
         return value, np.where(np.isfinite(value), excess, np.inf)
 
     @staticmethod
@@ -163,11 +167,11 @@ class HitProblem:
             slope += list(columns.transpose(2, 0, 1))
         if self.straight:
             qd = x[:, self.n :]
+            bent = self.geometry.bend(poses, columns, qd)
             for sideways in self.across:
                 row = columns @ sideways
-                bent = self.geometry.bend(poses, columns, sideways)
                 residual.append((row * qd).sum(axis=1))
-                slope.append(np.concatenate(((bent @ qd[:, :, None])[:, :, 0], row), axis=1))
+                slope.append(np.concatenate((bent @ sideways, row), axis=1))
         needs_away = self.hit.away or self.objective == "away"
         gap, gap_by = self._gap(poses) if needs_away else (pull[:, 0], pull)
         if self.objective == "away":
@@ -190,10 +194,9 @@ class HitProblem:
         return Values(value, gradient, np.stack(residual, axis=1), filled)
 
     def _gap(self, poses: Poses) -> tuple[Array, Array]:
-        h = self.hit.direction
-        here, here_by = self.geometry.point(poses, self.origin)
-        there, there_by = self.geometry.point(poses, self.hit.beyond)
-        return (there - here) @ h, (there_by - here_by) @ h
+        here, here_by = self.geometry.row(poses, self.origin, self.hit.direction)
+        there, there_by = self.geometry.row(poses, self.hit.beyond, self.hit.direction)
+        return there - here, there_by - here_by
 
     def _mobility(self, q: Array) -> tuple[Array, Array]:
         found = self.kernel(q, self.hit.direction, threads=1)
@@ -213,13 +216,14 @@ class HitProblem:
             return -np.log(mobility), -by / mobility[:, None]
         qd = x[:, self.n :]
         speed = (pull * qd).sum(axis=1)
-        bent = self.geometry.bend(poses, columns, self.hit.direction)
+        bent = self.geometry.bend(poses, columns, qd) @ self.hit.direction
         loss = 1.0 + self.hit.mass * mobility
         gradient = np.empty_like(x)
+        speed = np.where(speed > 0, speed, np.nan)
         gradient[:, self.n :] = pull / speed[:, None]
-        gradient[:, : self.n] = (bent @ qd[:, :, None])[:, :, 0] / speed[:, None]
+        gradient[:, : self.n] = bent / speed[:, None]
         gradient[:, : self.n] -= (self.hit.mass / loss)[:, None] * by
-        return np.log(np.where(speed > 0, speed, np.nan)) - np.log(loss), gradient
+        return np.log(speed) - np.log(loss), gradient
 
     def _flux(self, q: Array, poses: Poses, columns: Array, pull: Array) -> tuple[Array, Array]:
         """Return the log of the maximum flux and its gradient.
@@ -230,8 +234,8 @@ class HitProblem:
         mobility, by = self._mobility(q)
         qd = np.where(pull > 0, self.fastest, self.slowest)
         speed = (pull * qd).sum(axis=1)
-        bent = self.geometry.bend(poses, columns, self.hit.direction)
+        speed = np.where(speed > 0, speed, np.nan)
+        bent = self.geometry.bend(poses, columns, qd) @ self.hit.direction
         loss = 1.0 + self.hit.mass * mobility
-        value = np.log(np.where(speed > 0, speed, np.nan)) - np.log(loss)
-        slope = (bent @ qd[:, :, None])[:, :, 0] / speed[:, None]
-        return value, slope - (self.hit.mass / loss)[:, None] * by
+        value = np.log(speed) - np.log(loss)
+        return value, bent / speed[:, None] - (self.hit.mass / loss)[:, None] * by

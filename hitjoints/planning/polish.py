@@ -49,9 +49,7 @@ class Values:
 
     def take(self, rows: NDArray[np.intp] | Mask) -> Values:
         """Return some of the points."""
-        return Values(
-            self.value[rows], self.gradient[rows], self.residual[rows], self.slope[rows]
-        )
+        return Values(self.value[rows], self.gradient[rows], self.residual[rows], self.slope[rows])
 
     def put(self, rows: NDArray[np.intp], other: Values) -> None:
         """Overwrite some of the points with all of `other`."""
@@ -113,9 +111,7 @@ def climb(problem: Problem, x: Array, steps: int) -> tuple[Array, Values]:
         factor = np.where(again, cut, np.minimum(1.0, cut))
         step = np.einsum("kmd,kd->km", basis, step)
         factor = np.minimum(factor, _room(problem, at, step))
-        tried, there = pull_back(
-            problem, face.at + step * factor[:, None], face.free, face.active
-        )
+        tried, there = pull_back(problem, face.at + step * factor[:, None], face.free, face.active)
         better = feasible(problem, there) & (there.value > here.value)
         shorter = 0.25 * np.minimum(radius[alive], np.maximum(length * factor, SNAP * 0.1))
         radius[alive] = np.where(better, np.minimum(LONGEST, 2 * radius[alive]), shorter)

@@ -27,6 +27,14 @@ def test_circular_functions_are_enclosed(middle, width, share):
         assert bounds.upper - bounds.lower <= values.max() - values.min() + 1e-2
 
 
+@pytest.mark.skipif(np.finfo(np.longdouble).nmant < 60, reason="needs extended precision")
+def test_rounding_of_circular_functions_is_enclosed():
+    x = np.random.default_rng(0).uniform(-20.0, 20.0, 10_000)
+    for enclose, function in ((ia.sine, np.sin), (ia.cosine, np.cos)):
+        bounds, exact = enclose(Interval(x, x)), function(x.astype(np.longdouble))
+        assert np.all((bounds.lower < exact) & (exact < bounds.upper))
+
+
 @settings(max_examples=300, deadline=None, derandomize=True)
 @given(*[st.floats(-5.0, 5.0)] * 2, *[st.floats(0.0, 3.0)] * 2, *[st.floats(0.0, 1.0)] * 2)
 def test_arithmetic_is_enclosed(a, b, wide_a, wide_b, s, t):

@@ -102,7 +102,10 @@ def test_robot_in_a_word(arm):
 
 def test_robot_can_be_a_key(arm):
     assert {arm("iiwa14"): 1}[arm("iiwa14")] == 1
-    assert arm("iiwa14") != copy.deepcopy(arm("iiwa14"))
+    # A copy gives the same numbers, and finds what was built for the original.
+    assert arm("iiwa14") == copy.deepcopy(arm("iiwa14"))
+    assert arm("iiwa14") != arm("iiwa14_bullet")
+    assert arm("iiwa14") != "iiwa14"
 
 
 def test_digest_tells_robots_apart(arm):

@@ -1,0 +1,111 @@
+"""What a plan says about one joint: the best configuration, or why there is none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hitjoints.dynamics.impact import hitting_flux
+from hitjoints.dynamics.inertia import inertia_along
+from hitjoints.dynamics.kinematics import position
+from hitjoints.errors import SolverError
+from hitjoints.quantities import hitting_speed
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from hitjoints.planning.objectives import Hit
+    from hitjoints.planning.search import Found
+
+    Array = NDArray[np.float64]
+
+NEAREST_POSITION = 1e-6  # m, what a plan promises
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """One hitting joint: feasible, with everything about the hit, or not, with the reason.
+
+    Attributes:
+        joint: 1-based.
+        feasible: the joint can do it.
+        reason: why it is best, why another is better, or why it cannot.
+        q: (n,) rad within the limits; None if infeasible.
+        position_error: m, from the object; the closest possible if that is what is in the way.
+        inertia: kg. speed, straight_speed, flux, straight_flux: m/s (Eq. 9, 10).
+        away: h . (chi_{k+1} - chi_k) < 0 (Eq. 14).
+        away_gap: m, that number.
+        evidence: samples, admissible, local_optima, restarts, spread, certificate; for an
+            infeasible joint `nearest`, the nearest feasible value and where it is attained.
+    """
+
+    joint: int
+    feasible: bool
+    reason: str
+    q: Array | None = None
+    position_error: float | None = None
+    inertia: float | None = None
+    speed: float | None = None
+    straight_speed: float | None = None
+    flux: float | None = None
+    straight_flux: float | None = None
+    away: bool | None = None
+    away_gap: float | None = None
+    evidence: dict[str, Any] = field(default_factory=dict, repr=False)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the attributes by name, arrays as they are."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}
+
+
+def away_gap(hit: Hit, q: Array) -> float:
+    """Return h . (chi_{k+1} - chi_k), m."""
+    origin = type(hit.contact)(hit.contact.joint)
+    ends = position(hit.robot, q, hit.beyond) - position(hit.robot, q, origin)
+    return float(hit.direction @ ends)
+
+
+def measure(hit: Hit, q: Array) -> dict[str, Any]:
+    """Return the quantities of a hit at one configuration, by Pinocchio and the certified programs.
+
+    Raises:
+        SolverError: the configuration does not do what was asked.
+    """
+    robot, h = hit.robot, hit.direction
+    inertia = inertia_along(robot, q, hit.contact, h)
+    speed, straight = (hitting_speed(robot, q, hit.contact, h, straight=s) for s in (False, True))
+    straight = max(straight, 0.0)
+    gap = away_gap(hit, q)
+    error = None
+    if hit.position is not None:
+        error = float(np.linalg.norm(position(robot, q, hit.contact) - hit.position))
+    outside = (q < robot.lower) | (q > robot.upper)
+    if outside.any() or (error or 0.0) > NEAREST_POSITION or (hit.away and gap >= 0):
+        raise SolverError(f"joint {hit.contact.joint}: the planned configuration is not admissible")
+    return {
+        "q": q,
+        "position_error": error,
+        "inertia": inertia,
+        "speed": speed,
+        "straight_speed": straight,
+        "flux": hitting_flux(inertia, hit.mass, speed),
+        "straight_flux": hitting_flux(inertia, hit.mass, straight),
+        "away": gap < 0,
+        "away_gap": gap,
+    }
+
+
+def evidence_of(found: Found) -> dict[str, Any]:
+    """Return how sure a search is."""
+    best = np.exp(found.restarts)
+    return {
+        "samples": found.samples,
+        "admissible": found.admissible,
+        "local_optima": found.local_optima,
+        "restarts": best,
+        "spread": found.spread if best.size else None,
+        "agreeing": int((best >= best.max(initial=0.0) * (1 - 1e-4)).sum()),
+        "certificate": None,
+    }

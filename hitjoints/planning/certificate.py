@@ -1,0 +1,178 @@
+"""A rigorous upper bound of Eq. 14: interval branch and bound over the joints beyond the contact.
+
+With the joints that place the contact fixed, its inertia depends on the others alone, and so does
+every other objective: the pull J^T h and with it the speed are constant, the flux grows with the
+inertia. The mobility is recorded with the fixed joints as constants, which leaves a few hundred
+operations, and bounded over boxes by its natural extension and by the mean value form.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hitjoints.kernels import Chain, Interval
+from hitjoints.kernels.arm import Arm, dot, minus
+from hitjoints.kernels.dynamics import Factor, mass_matrix
+from hitjoints.kernels.formulas import Hit as HitFormulas
+from hitjoints.kernels.interval_backend import IntervalProgram
+from hitjoints.kernels.trace import Tracer
+from hitjoints.planning.objectives import AWAY_MARGIN, LEAST_MOBILITY
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from hitjoints.planning.objectives import Hit
+
+    Array = NDArray[np.float64]
+
+GAP = 0.01
+"""The bound is tight enough when it exceeds the value found by no more than this share."""
+
+MOST_BOXES = 60_000
+ROUNDING = 1e-9
+"""Share by which bounds are widened for the constants, which are rounded when recorded."""
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What branch and bound proved.
+
+    Attributes:
+        inertia: kg, the value found.
+        upper_bound: kg; no posture of the joints searched, within their limits (and the away
+            condition), has more.
+        gap: upper_bound / inertia - 1.
+        proved: the gap is at most 1 %.
+        joints: the joints searched (1-based); the others are fixed.
+        boxes: how many were bounded.
+        seconds: what it took.
+    """
+
+    inertia: float
+    upper_bound: float
+    gap: float
+    proved: bool
+    joints: tuple[int, ...]
+    boxes: int
+    seconds: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the attributes by name."""
+        return asdict(self)
+
+
+def free_joints(hit: Hit) -> tuple[int, ...]:
+    """Return the joints (1-based) that leave the contact where it is."""
+    contact = hit.contact
+    last = Chain.from_model(hit.robot.model).attach(contact.joint, contact.offset)[0]
+    return tuple(range(last + 1, hit.robot.n + 1))
+
+
+def certify(hit: Hit, q: Array, joints: tuple[int, ...] | None = None) -> Certificate:
+    """Bound the inertia over the postures of some joints, the others fixed as in q.
+
+    Args:
+        hit: what is asked; its away condition restricts the postures if it is set.
+        q: (n,) rad, the configuration found, the best known.
+        joints: which to search (1-based), all of them beyond the contact; every joint that
+            leaves the contact where it is when not given.
+    """
+    begin = time.perf_counter()
+    joints = free_joints(hit) if joints is None else joints
+    at = np.array(joints, dtype=int) - 1
+    bound = _Bound(hit, q, at)
+    robot = hit.robot
+    # A continuous joint is searched over one turn.
+    low = np.where(np.isfinite(robot.lower[at]), robot.lower[at], -np.pi)[None]
+    high = np.where(np.isfinite(robot.upper[at]), robot.upper[at], np.pi)[None]
+    found = 1.0 / float(bound.mobility(q[None, at], q[None, at]).upper[0])
+    closed, visited = found, 0
+    while len(low) and visited < MOST_BOXES:
+        visited += len(low)
+        upper, admissible, reduction = bound(low, high)
+        todo = admissible & (upper > (1.0 + GAP) * found)
+        done = admissible & ~todo
+        closed = max(closed, float(upper[done].max(initial=0.0)))
+        low, high, upper = low[todo], high[todo], upper[todo]
+        if len(low) and visited < MOST_BOXES:
+            low, high = _cut(low, high, reduction[todo])
+    bounded = max(closed, float(upper[todo].max(initial=0.0)) if len(low) else 0.0)
+    return Certificate(
+        found,
+        bounded,
+        bounded / found - 1.0,
+        bounded <= (1.0 + GAP) * found,
+        joints,
+        visited,
+        time.perf_counter() - begin,
+    )
+
+
+class _Bound:
+    """Bounds over boxes of the joints `at`, the others constant."""
+
+    def __init__(self, hit: Hit, q: Array, at: NDArray[np.intp]) -> None:
+        chain = Chain.from_model(hit.robot.model)
+        tracer = Tracer(len(at))
+        angles: list[Any] = [float(angle) for angle in q]
+        for place, number in zip(at, tracer.inputs, strict=True):
+            angles[place] = number
+        arm = Arm(chain, tuple(angles))
+        h = (float(hit.direction[0]), float(hit.direction[1]), float(hit.direction[2]))
+        attached = chain.attach(hit.contact.joint, hit.contact.offset)
+        formulas = HitFormulas(arm, Factor(mass_matrix(arm)), attached, h, hit.mass)
+        gradient = formulas.mobility_gradient()
+        outputs = [*formulas.mobility(), *(gradient[i] for i in at)]
+        if hit.away:
+            ends = [
+                chain.attach(contact.joint, contact.offset)
+                for contact in (type(hit.contact)(hit.contact.joint), hit.beyond)
+            ]
+            here, there = (arm.position(last - 1, point) for last, point in ends)
+            outputs.append(dot(h, minus(there, here)))
+        self.away, self.program = hit.away, IntervalProgram(tracer.program(outputs))
+
+    def _run(self, low: Array, high: Array) -> Interval:
+        sides = [Interval(a, b) for a, b in zip(low.T, high.T, strict=True)]
+        return self.program(sides, len(low))
+
+    def mobility(self, low: Array, high: Array) -> Interval:
+        """Natural bounds (B,) of the mobility, 1/kg."""
+        bounds = self._run(low, high)
+        return Interval(bounds.lower[0], bounds.upper[0])
+
+    def __call__(self, low: Array, high: Array) -> tuple[Array, NDArray[np.bool_], Array]:
+        """Return upper bounds (B,) of the inertia, which boxes may hold an admissible posture,
+        and what each side (B, d) contributes to the width of the bound.
+        """
+        whole, middle = self._run(low, high), 0.5 * (low + high)
+        half = np.maximum(high - middle, middle - low)
+        sides = low.shape[1]
+        steepest = np.maximum(np.abs(whole.lower), np.abs(whole.upper))[1 : 1 + sides].T
+        reduction = np.where(half > 0, steepest * half, 0.0)
+        mean = self.mobility(middle, middle).lower - reduction.sum(axis=1) * (1 + ROUNDING)
+        least = np.fmax(whole.lower[0], mean)
+        with np.errstate(divide="ignore"):
+            upper = np.where(least > LEAST_MOBILITY, 1.0 / least, np.inf) * (1 + ROUNDING)
+        admissible = np.ones(len(low), dtype=bool)
+        if self.away:
+            admissible = whole.lower[1 + sides] <= -AWAY_MARGIN + ROUNDING
+        return upper, admissible, reduction
+
+
+def _cut(low: Array, high: Array, reduction: Array) -> tuple[Array, Array]:
+    """Cut every box in two across the side that blurs its bound most."""
+    rows = np.arange(len(low))
+    unknown = ~np.isfinite(reduction).all(axis=1, keepdims=True)
+    side = np.argmax(np.where(unknown, high - low, reduction), axis=1)
+    # An inertia that is flat is cut for the away condition's sake.
+    flat = reduction[rows, side] <= 0
+    side = np.where(flat, np.argmax(high - low, axis=1), side)
+    middle = 0.5 * (low[rows, side] + high[rows, side])
+    first, second = high.copy(), low.copy()
+    first[rows, side] = second[rows, side] = middle
+    return np.concatenate((low, second)), np.concatenate((first, high))

@@ -1,0 +1,219 @@
+"""The global search: sample, climb from diverse starts, hop from the best, in independent groups.
+
+Each group draws its own samples and never sees the others' results, so that their agreement is
+evidence: several searches that end at the same value have probably found the global optimum, and
+the groups go on hopping, a bounded number of rounds, while they do not agree.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hitjoints.planning.polish import climb, feasible
+from hitjoints.quantities import place_joint
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from hitjoints.planning.objectives import Hit, HitProblem
+
+    Array = NDArray[np.float64]
+
+GROUPS = 4
+SAMPLES = 512  # per group
+STARTS = 14  # per group, in the first climb and in every hop
+KEPT = 4  # optima per group that hops start from
+VARIANTS = 48  # per optimum
+ROUNDS = (1, 4)  # of hops: always, and at most while the groups disagree
+AGREE = 5e-5  # relative
+SAME = 1e-6  # relative
+APART = 0.3  # rad, between starts
+SCATTER = 0.5  # rad, of a hop
+COARSE, FINE = 6, 40  # steps of a climb
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a search found.
+
+    Attributes:
+        x: (S, m) local optima, best first; empty if nothing satisfies the constraints.
+        value: (S,) their objective.
+        samples, admissible: configurations drawn, and how many met every constraint.
+        screened: (A, n) the admissible samples, best first.
+        local_optima: how many optima of different value were found.
+        restarts: best value of each group that found one.
+    """
+
+    x: Array
+    value: Array
+    samples: int
+    admissible: int
+    screened: Array
+    local_optima: int
+    restarts: Array
+
+    @classmethod
+    def nothing(cls) -> Found:
+        """Return the result of a search that was not worth starting."""
+        none = np.zeros((0, 0))
+        return cls(none, np.zeros(0), 0, 0, none, 0, np.zeros(0))
+
+    @property
+    def spread(self) -> float:
+        """Relative difference between the best values of the groups (values are logarithms)."""
+        return float(-np.expm1(self.restarts.min() - self.restarts.max()))
+
+
+class Sampler:
+    """Draws configurations that put the contact at the object, within bounds.
+
+    Args:
+        hit: what is asked; without a position, every configuration will do.
+        lower, upper: (n,) rad bounds; equal ones keep a joint where it is.
+    """
+
+    def __init__(self, hit: Hit, lower: Array, upper: Array) -> None:
+        self.hit, self.lower, self.upper = hit, lower, upper
+        bounded = np.isfinite(lower) & np.isfinite(upper)
+        # A continuous joint is searched over one turn.
+        self.low, self.high = np.where(bounded, lower, -np.pi), np.where(bounded, upper, np.pi)
+
+    def draw(self, count: int, seed: int) -> Array:
+        """Return configurations (N, n), N <= count, drawn at random."""
+        if self.hit.position is None:
+            return np.random.default_rng(seed).uniform(self.low, self.high, (count, len(self.low)))
+        goals = np.tile(self.hit.position, (count, 1))
+        placed = place_joint(self.hit.robot, self.hit.contact, goals, seed)
+        return np.asarray(placed.q)
+
+    def vary(self, q: Array, rng: np.random.Generator) -> Array:
+        """Return variants of configurations (N, n), within the bounds but off the object.
+
+        Half of them are flips: joint j mirrored and its neighbours turned by half a turn, which
+        leaves the links of an arm with intersecting axes where they are, and the inertia nearly
+        what it was; the other half have joints drawn anew. Both are scattered.
+        """
+        rows, n = q.shape
+        middle = 0.5 * (self.low + self.high)
+        even = np.arange(rows)[:, None] % 2 == 0
+        flips = np.zeros((rows, n + 2), dtype=int)
+        flips[:, 2 : n + 1] = even & (rng.random((rows, n - 1)) < 0.4)
+        turns = (flips[:, :-2] + flips[:, 2:]) % 2
+        flipped = np.where(flips[:, 1:-1] == 1, -q, q)
+        flipped += np.pi * turns * np.where(flipped > middle, -1.0, 1.0)
+        new = rng.uniform(self.low, self.high, q.shape)
+        share = np.where(np.arange(n) < self.hit.contact.joint - 1, 0.5, 1.0)
+        share = np.where(even, 0.05, share * rng.choice((0.1, 0.4, 0.9), (rows, 1)))
+        noise = SCATTER * rng.random((rows, 1)) ** 2 * rng.standard_normal(q.shape)
+        moved = np.where(rng.random(q.shape) < share, new, flipped + noise)
+        return np.clip(moved, self.lower, self.upper)
+
+    def place(self, q: Array) -> Array:
+        """Return the configurations (N, n) moved until the contact is at the object."""
+        if self.hit.position is None:
+            return q
+        goals = np.tile(self.hit.position, (len(q), 1))
+        return np.asarray(place_joint(self.hit.robot, self.hit.contact, goals, start=q).q)
+
+
+def search(problem: HitProblem, sampler: Sampler, seed: int, hints: Array | None = None) -> Found:
+    """Find the global optimum of a problem, with evidence.
+
+    Args:
+        problem: what to maximise.
+        sampler: of configurations on the manifold.
+        seed: of everything random; the same seed gives the same answer.
+        hints: (H, >= n) configurations known to be admissible, where random ones are not; every
+            group starts from them too.
+    """
+    n = problem.n
+    rngs = [np.random.default_rng((seed, group)) for group in range(GROUPS)]
+    q = sampler.draw(GROUPS * SAMPLES, seed)
+    value, excess = problem.screen(q)
+    pools = np.array_split(np.arange(len(q)), GROUPS)
+    starts = [q[pool][_diverse(q[pool], value[pool], excess[pool], STARTS)] for pool in pools]
+    if hints is not None:
+        starts = [np.concatenate((hints[:KEPT, :n], part)) for part in starts]
+    x, reached, group = _climb(problem, starts, COARSE)
+    for turn in range(ROUNDS[1]):
+        if turn >= ROUNDS[0] and _agree(reached, group):
+            break
+        best = [_best(reached, np.flatnonzero(group == g), KEPT) for g in range(GROUPS)]
+        near = [
+            sampler.vary(np.repeat(x[rows, :n], VARIANTS, axis=0), rng)
+            for rows, rng in zip(best, rngs, strict=True)
+        ]
+        placed = sampler.place(np.concatenate(near))
+        parts = np.cumsum([len(rows) for rows in near])[:-1]
+        hops = [
+            np.concatenate((x[rows, :n], hopped[_diverse(hopped, *scores, STARTS - KEPT)]))
+            for rows, hopped, *scores in zip(
+                best, *(np.split(a, parts) for a in (placed, *problem.screen(placed))), strict=True
+            )
+        ]
+        kept = np.concatenate(best)
+        more = _climb(problem, hops, COARSE)
+        x, reached, group = (
+            np.concatenate((old[kept], new))
+            for old, new in zip((x, reached, group), more, strict=True)
+        )
+    kept = np.concatenate([_best(reached, np.flatnonzero(group == g), KEPT) for g in range(GROUPS)])
+    x, last = climb(problem, problem.start(x[kept, :n]), FINE)
+    return _found(problem, x, last.value, feasible(problem, last), group[kept], q, value, excess)
+
+
+def _climb(
+    problem: HitProblem, starts: list[Array], steps: int
+) -> tuple[Array, Array, NDArray[np.intp]]:
+    """Climb from the starts of all groups at once; -inf is the value of one that got nowhere."""
+    x, last = climb(problem, problem.start(np.concatenate(starts)), steps)
+    reached = np.where(feasible(problem, last), last.value, -np.inf)
+    return x, reached, np.repeat(np.arange(GROUPS), [len(s) for s in starts])
+
+
+def _agree(reached: Array, group: NDArray[np.intp]) -> bool:
+    best = np.array([reached[group == g].max(initial=-np.inf) for g in range(GROUPS)])
+    return bool(best.max() - best.min() < AGREE) if np.isfinite(best).all() else False
+
+
+def _best(value: Array, rows: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+    """Choose the rows of greatest value, each value once: copies of an optimum teach nothing."""
+    rows = rows[np.isfinite(value[rows])]
+    rows = rows[np.argsort(-value[rows], kind="stable")]
+    fresh = np.concatenate(([True], np.diff(value[rows]) < -SAME))[: len(rows)]
+    return np.asarray(rows[fresh][:count])
+
+
+def _diverse(q: Array, value: Array, excess: Array, count: int) -> NDArray[np.intp]:
+    """Choose rows (<= count) of high value, apart from each other, the admissible ones first."""
+    usable = np.isfinite(excess) & np.isfinite(value)
+    order = np.lexsort((-value, excess))
+    order = order[usable[order]]
+    chosen: list[int] = []
+    while order.size and len(chosen) < count:
+        chosen.append(int(order[0]))
+        order = order[((q[order] - q[order[0]]) ** 2).sum(axis=1) > APART**2]
+    return np.array(chosen, dtype=int)
+
+
+def _found(
+    problem: HitProblem,
+    x: Array,
+    value: Array,
+    ok: NDArray[np.bool_],
+    group: NDArray[np.intp],
+    q: Array,
+    screened: Array,
+    excess: Array,
+) -> Found:
+    order = np.flatnonzero(ok)[np.argsort(-value[ok], kind="stable")]
+    x, value, group = x[order], value[order], group[order]
+    admissible = np.flatnonzero(excess == 0)
+    ranked = admissible[np.argsort(-screened[admissible], kind="stable")]
+    different = 1 + int((np.diff(value) < -SAME).sum()) if value.size else 0
+    restarts = np.array([value[group == g].max() for g in range(GROUPS) if (group == g).any()])
+    return Found(x, value, len(q), len(admissible), q[ranked], different, restarts)
