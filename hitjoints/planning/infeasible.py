@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.dynamics.kinematics import feasible_directions
+from hitjoints.dynamics.kinematics import feasible_directions, position
 from hitjoints.kernels import Chain
 from hitjoints.planning.candidates import Candidate, away_gap
 from hitjoints.planning.objectives import AWAY_MARGIN, HitProblem
@@ -40,6 +40,24 @@ def unreachable(hit: Hit, placed: Placement) -> Candidate:
         how = f"the closest of {len(placed.q)} inverse kinematics searches"
     reason = f"unreachable: joint {joint} stays {error:.4g} m away from ({target}) ({how})"
     return _refused(hit, reason, certified, placed.q[nearest], position_error=error)
+
+
+def movers(hit: Hit) -> int:
+    """Return how many joints, from the base, move the contact."""
+    chain = Chain.from_model(hit.robot.model)
+    return chain.attach(hit.contact.joint, hit.contact.offset)[0]
+
+
+def fixed(hit: Hit) -> Candidate:
+    """Say that no joint moves the contact."""
+    joint, q = hit.contact.joint, hit.robot.home
+    here = position(hit.robot, q, hit.contact)
+    reason = (
+        f"infeasible direction: joint {joint} cannot move at all: no joint of the arm moves its "
+        f"origin from ({_vector(here)})"
+    )
+    error = float(np.linalg.norm(here - hit.position))
+    return _refused(hit, reason, True, q, position_error=error)
 
 
 def reach_ball(hit: Hit) -> tuple[Array, float]:

@@ -147,6 +147,8 @@ def _plan_joint(
     accept: Callable[[Array], bool] | None,
 ) -> Candidate:
     assert hit.position is not None
+    if not infeasible.movers(hit):
+        return infeasible.fixed(hit)
     probe = place_joint(hit.robot, hit.contact, np.tile(hit.position, (64, 1)), seed)
     if not probe.solved.any():
         return infeasible.unreachable(hit, probe)

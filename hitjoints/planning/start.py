@@ -207,19 +207,17 @@ def _bounds_back(robot: Robot, q: Array, dt: float) -> tuple[Array, Array]:
 
 def _obstacle(robot: Robot, q: Array, contact: Contact, h: Array, speed: float, dt: float) -> str:
     slowest, fastest = -WITHIN * robot.velocity_upper, -WITHIN * robot.velocity_lower
-    jac = jacobian(robot, q, contact)
-    top = solve_hitting_speed(jac, -h, slowest, fastest, straight=True).speed
-    if top < speed:
-        return (
-            f"within the velocity limits the contact moves straight along the direction at "
-            f"{top:.3g} m/s at most there, {speed:.3g} m/s are asked for"
-        )
     low, high = _bounds_back(robot, q, dt)
     stopped = np.flatnonzero((low > slowest) | (high < fastest))
-    if not stopped.size:
-        return "the arm is at a singularity and cannot follow the line"
-    names = ", ".join(f"joint {i + 1} at {q[i]:.4g} rad" for i in stopped)
-    return f"stopped by position limits ({names})"
+    jac = jacobian(robot, q, contact)
+    top = solve_hitting_speed(jac, -h, slowest, fastest, straight=True).speed
+    if stopped.size and top >= speed:
+        names = ", ".join(f"joint {i + 1} at {q[i]:.4g} rad" for i in stopped)
+        return f"stopped by position limits ({names})"
+    return (
+        f"the velocity limits let the contact move straight along the direction at {top:.3g} m/s "
+        f"at most there, too little to go on at {speed:.3g} m/s"
+    )
 
 
 def _velocity_ratio(robot: Robot, qd: Array) -> float:

@@ -157,7 +157,7 @@ def _round_number(value: float) -> float:
 
 
 def _draw_box(axis: Any, here: Array, h: Array, size: Array) -> Array:
-    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
 
     if size.shape != (3,) or not (size > 0).all():
         raise InputError("object_size", size.tolist(), "three lengths above zero")
@@ -184,7 +184,7 @@ def _set_view(axis: Any, drawn: Array) -> None:
     low, high = low - 0.05, high + 0.05
     low[2] += 0.05
     axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axis.set_box_aspect(high - low)
+    axis.set_box_aspect(high - low, zoom=0.92)
     axis.set(xlabel="x (m)", ylabel="y (m)", zlabel="z (m)")
     axis.locator_params(nbins=5)
     axis.view_init(elev=18, azim=-60)
