@@ -93,7 +93,7 @@ def test_place_joint(robot):
 
 
 def test_place_joint_starts_where_it_is_told(robot):
-    target = hj.position(robot, robot.home, 6) + [0.01, 0, 0]
+    target = hj.position(robot, robot.home, 6) + np.array([0.01, 0, 0])
     near = hj.place_joint(robot, 6, target, start=robot.home)
     assert np.abs(near.q[0] - robot.home).max() < 0.1
     np.testing.assert_array_equal(near.q[0, 5:], robot.home[5:])

@@ -56,8 +56,15 @@ class Candidate:
     evidence: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the attributes by name, arrays as they are."""
-        return {item.name: getattr(self, item.name) for item in fields(self)}
+        """Return the attributes by name, arrays as lists."""
+        return {item.name: plain(getattr(self, item.name)) for item in fields(self)}
+
+
+def plain(value: Any) -> Any:
+    """Return a value as JSON knows it: arrays as lists, also inside a dictionary."""
+    if isinstance(value, dict):
+        return {key: plain(item) for key, item in value.items()}
+    return value.tolist() if hasattr(value, "tolist") else value
 
 
 def away_gap(hit: Hit, q: Array) -> float:

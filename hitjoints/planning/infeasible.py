@@ -108,7 +108,7 @@ def pointed_at(hit: Hit, found: Found) -> Candidate:
     else:
         why = (
             f"the link from joint {joint} to {following} points towards the object whatever the "
-            f"arm does: h . (chi_{joint + 1} - chi_{joint}) is {gap:.4g} m at least, over "
+            f"arm does: along the direction {following} is {gap:.4g} m ahead at least, over "
             f"{found.samples} configurations and {found.restarts.size} independent searches"
         )
     return _refused(hit, f"away condition impossible: {why}", certified, q, away_gap=gap)

@@ -11,7 +11,7 @@ import numpy as np
 
 from hitjoints.errors import InputError, UnknownNameError
 from hitjoints.planning import infeasible
-from hitjoints.planning.candidates import Candidate, evidence_of, measure
+from hitjoints.planning.candidates import Candidate, evidence_of, measure, plain
 from hitjoints.planning.certificate import certify
 from hitjoints.planning.objectives import OBJECTIVES, Hit, HitProblem
 from hitjoints.planning.search import Found, Sampler, search
@@ -69,12 +69,19 @@ class Plan:
         )
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the answer as plain dictionaries, lists and arrays."""
-        named = {key: getattr(self, key) for key in Plan.__dataclass_fields__}
-        named["required_flux"] = named.pop("flux")
-        named["best"] = None if self.best is None else self.best.as_dict()
-        named["candidates"] = [one.as_dict() for one in self.candidates]
-        return {"feasible": self.best is not None, "summary": self.summary, **named}
+        """Return the answer as JSON knows it."""
+        return {
+            "robot": self.robot,
+            "position": plain(self.position),
+            "direction": plain(self.direction),
+            "mass": self.mass,
+            "objective": self.objective,
+            "required_flux": self.flux,
+            "feasible": self.best is not None,
+            "summary": self.summary,
+            "best": None if self.best is None else self.best.as_dict(),
+            "candidates": [one.as_dict() for one in self.candidates],
+        }
 
 
 def plan(

@@ -95,7 +95,9 @@ def climb(problem: Problem, x: Array, steps: int) -> tuple[Array, Values]:
         basis = _tangents(rows, face.free)
         uphill = np.einsum("kmd,km->kd", basis, here.gradient)
         moving = np.linalg.norm(uphill, axis=1) > STATIONARY
-        moving |= (at != face.at).any(axis=1) & ~refused[alive]
+        # Bounds and limits pressed against, but not quite met yet.
+        short = face.active & (np.abs(here.residual) > ON_MANIFOLD)
+        moving |= ((at != face.at).any(axis=1) | short.any(axis=1)) & ~refused[alive]
         moving &= radius[alive] > SHORTEST
         if not moving.any():
             break

@@ -9,7 +9,7 @@ import numpy as np
 
 from hitjoints.errors import InfeasibleError
 from hitjoints.planning import infeasible
-from hitjoints.planning.candidates import evidence_of, measure
+from hitjoints.planning.candidates import evidence_of, measure, plain
 from hitjoints.planning.certificate import certify
 from hitjoints.planning.objectives import Hit, HitProblem
 from hitjoints.planning.search import Sampler, search
@@ -42,8 +42,8 @@ class Posture:
     evidence: dict[str, Any]
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the attributes by name, arrays as they are."""
-        return {item.name: getattr(self, item.name) for item in fields(self)}
+        """Return the attributes by name, arrays as lists."""
+        return {item.name: plain(getattr(self, item.name)) for item in fields(self)}
 
 
 def posture(

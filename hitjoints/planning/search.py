@@ -65,7 +65,7 @@ class Found:
     @property
     def spread(self) -> float:
         """Relative difference between the best values of the groups (values are logarithms)."""
-        return float(-np.expm1(self.restarts.min() - self.restarts.max()))
+        return float(1.0 - np.exp(self.restarts.min() - self.restarts.max()))
 
 
 class Sampler:

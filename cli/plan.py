@@ -1,0 +1,140 @@
+"""`hitjoints plan`: which joint hits, in which configuration, and how sure that is."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .options import (
+    DIRECTION,
+    MASS,
+    OBJECT,
+    ROBOT,
+    DirectionOption,
+    JointsOption,
+    JsonOption,
+    MassOption,
+    ObjectOption,
+    PlotOption,
+    RobotOption,
+    SeedOption,
+    check_mass,
+    numbers,
+)
+from .render import complain, print_json, print_table
+
+if TYPE_CHECKING:
+    from hitjoints.planning.candidates import Candidate
+    from hitjoints.planning.plan import Plan
+
+
+def plan(
+    robot: RobotOption = ROBOT,
+    position: ObjectOption = OBJECT,
+    direction: DirectionOption = DIRECTION,
+    mass: MassOption = MASS,
+    joints: JointsOption = None,
+    objective: Annotated[
+        str,
+        typer.Option("--objective", help="inertia, flux, straight-flux, or rebound with --flux."),
+    ] = "inertia",
+    flux: Annotated[
+        float | None,
+        typer.Option("--flux", metavar="M/S", help="Flux to be reached, for rebound."),
+    ] = None,
+    away: Annotated[
+        bool, typer.Option("--away/--no-away", help="Demand the away condition of Eq. 14.")
+    ] = True,
+    certificate: Annotated[
+        bool,
+        typer.Option(
+            "--certificate/--no-certificate", help="Bound the inertia by branch and bound."
+        ),
+    ] = True,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="Write the plan: .json.")
+    ] = None,
+    plot: PlotOption = None,
+    seed: SeedOption = 0,
+    as_json: JsonOption = False,
+) -> None:
+    """Choose the joint to hit with and its configuration, with evidence (Eq. 8, 14)."""
+    from hitjoints.loading import load_robot
+    from hitjoints.maps.files import check_writable, write_whole
+    from hitjoints.planning.plan import plan as make_plan
+
+    check_mass(mass)
+    if out is not None:
+        check_writable(out, "out", (".json",))
+    if plot is not None:
+        from hitjoints.show.figures import FIGURE_ENDINGS
+
+        check_writable(plot, "plot", FIGURE_ENDINGS)
+    arm = load_robot(robot)
+    planned = make_plan(
+        arm,
+        numbers(position),
+        numbers(direction),
+        mass,
+        joints=joints,
+        objective=objective,
+        flux=flux,
+        away=away,
+        seed=seed,
+        certificate=certificate,
+    )
+    result = planned.as_dict() | {"robot": robot}
+    if out is not None:
+        text = json.dumps(result, allow_nan=False, indent=1) + "\n"
+        write_whole(out, "out", lambda path: path.write_text(text, encoding="utf-8"))
+    if plot is not None and planned.best is not None:
+        from hitjoints.show.figures import save_figure
+        from hitjoints.show.plan import draw_plan
+
+        save_figure(draw_plan(arm, planned), plot)
+    if as_json:
+        print_json(result)
+    else:
+        _print(arm.title, planned)
+    for path in (out, plot):
+        if path is not None and path.exists():
+            complain("written", str(path))
+    if planned.best is None:
+        reasons = "; ".join(one.reason for one in planned.candidates)
+        complain("no", f"no joint can do it: {reasons}")
+        raise typer.Exit(3)
+
+
+def _print(title: str, planned: Plan) -> None:
+    at = ", ".join(f"{v:g}" for v in planned.position)
+    along = ", ".join(f"{v:g}" for v in planned.direction)
+    flux = "" if planned.flux is None else f" for a flux of {planned.flux:g} m/s"
+    print_table(
+        f"{title}: hit {planned.mass:g} kg at ({at}) m along ({along}), {planned.objective}{flux}",
+        ("hit with", "inertia", "speed", "straight", "flux", "straight", "optimum", "verdict"),
+        [_row(one, one is planned.best) for one in planned.candidates],
+        caption="kg and m/s; straight: moving along the direction only; optimum: proved over the "
+        "joints beyond the contact, and found by so many of the independent searches",
+    )
+    for one in planned.candidates:
+        if not one.feasible:
+            print(f"joint {one.joint}: {one.reason}")
+    print(planned.summary)
+    if planned.best is not None:
+        print("q = " + ",".join(f"{v:.6g}" for v in planned.best.as_dict()["q"]))
+
+
+def _row(one: Candidate, best: bool) -> list[object]:
+    name = f"joint {one.joint}"
+    if not one.feasible:
+        return [name, "", "", "", "", "", "", f"no: {one.reason.partition(':')[0]}"]
+    evidence: dict[str, Any] = one.evidence
+    certificate = evidence["certificate"]
+    proof = "" if certificate is None else f"{100 * certificate['gap']:.1g} %, "
+    sure = f"{proof}{evidence['agreeing']}/{len(evidence['restarts'])}"
+    verdict = f"best: {one.reason}" if best else one.reason
+    numbers = (one.inertia, one.speed, one.straight_speed, one.flux, one.straight_flux)
+    return [name, *(f"{value:.3g}" for value in numbers), sure, verdict]
