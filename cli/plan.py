@@ -119,9 +119,6 @@ def _print(title: str, planned: Plan) -> None:
         caption="kg and m/s; straight: moving along the direction only; optimum: proved over the "
         "joints beyond the contact, and found by so many of the independent searches",
     )
-    for one in planned.candidates:
-        if not one.feasible:
-            print(f"joint {one.joint}: {one.reason}")
     print(planned.summary)
     if planned.best is not None:
         print("q = " + ",".join(f"{v:.6g}" for v in planned.best.as_dict()["q"]))

@@ -24,7 +24,7 @@ from hitjoints.kernels.dynamics import (
 )
 from hitjoints.kernels.formulas import Hit as HitFormulas
 from hitjoints.kernels.interval_backend import IntervalProgram
-from hitjoints.kernels.trace import Tracer
+from hitjoints.kernels.trace import Scalar, Tracer
 from hitjoints.planning.objectives import AWAY_MARGIN, LEAST_MOBILITY
 
 if TYPE_CHECKING:
@@ -138,8 +138,8 @@ class _Bound:
         self.point = IntervalProgram(
             tracer.program([*formulas.mobility(), *formulas.factor.velocity(formulas.y)])
         )
-        u = list(tracer.inputs[d:])
-        speed: Any = 0.0
+        u: list[Scalar] = list(tracer.inputs[d:])
+        speed: Scalar = 0.0
         for pull, rate in zip(formulas.g, u, strict=True):
             speed = speed + pull * rate
         gradient = mobility_gradient(arm, formulas.reaches, formulas.directions, u)

@@ -84,9 +84,7 @@ class Geometry:
     def point(self, poses: Poses, contact: Contact) -> tuple[Array, Array]:
         """Return a contact's position (N, 3) m and the columns (N, n, 3) of its Jacobian."""
         last = contact.joint - 1
-        position = poses.origins[last]
-        if any(contact.offset):
-            position = position + poses.rotations[last] @ np.array(contact.offset)
+        position = self._place(poses, contact)
         columns = np.zeros_like(poses.axes)
         reach = position[:, None, :] - np.moveaxis(poses.origins[: last + 1], 0, 1)
         columns[:, : last + 1] = cross(poses.axes[:, : last + 1], reach)
@@ -94,21 +92,34 @@ class Geometry:
         columns[:, slides] = poses.axes[:, slides]
         return position, columns
 
-    def row(self, poses: Poses, contact: Contact, direction: Array) -> tuple[Array, Array]:
-        """Return a contact's height a . chi (N,) m along a direction, and its gradient (N, n)."""
-        last = contact.joint - 1
-        position = poses.origins[last]
-        if any(contact.offset):
-            position = position + poses.rotations[last] @ np.array(contact.offset)
-        reach = position[:, None, :] - np.moveaxis(poses.origins[: last + 1], 0, 1)
-        axes = poses.axes[:, : last + 1]
+    def gap(
+        self, poses: Poses, near: Contact, far: Contact, direction: Array
+    ) -> tuple[Array, Array]:
+        """Return a . (chi_far - chi_near) (N,) m for a direction a, and its gradient (N, n).
+
+        Args:
+            poses: of the configurations.
+            near: an earlier contact, or one on the same joint.
+            far: a later one.
+            direction: (3,) a.
+        """
+        first, last = near.joint, far.joint
+        start, end = self._place(poses, near), self._place(poses, far)
+        between = (end - start)[:, None, :]
+        reach = end[:, None, :] - np.moveaxis(poses.origins[first:last], 0, 1)
+        axes = poses.axes[:, :last]
+        reach = np.concatenate((np.broadcast_to(between, (len(end), first, 3)), reach), axis=1)
         row = np.zeros(poses.axes.shape[:2])
-        row[:, : last + 1] = np.where(
-            self.revolute[: last + 1],
-            (cross(direction, axes) * reach).sum(axis=2),
-            axes @ direction,
-        )
-        return position @ direction, row
+        row[:, :last] = (cross(direction, axes) * reach).sum(axis=2)
+        slides = np.flatnonzero(~self.revolute[:last])
+        row[:, slides] = (axes[:, slides] @ direction) * (slides >= first)
+        return between[:, 0] @ direction, row
+
+    def _place(self, poses: Poses, contact: Contact) -> Array:
+        position = poses.origins[contact.joint - 1]
+        if any(contact.offset):
+            position = position + poses.rotations[contact.joint - 1] @ np.array(contact.offset)
+        return np.asarray(position)
 
     def bend(self, poses: Poses, columns: Array, qd: Array) -> Array:
         """Return d (J qd) / d q_j at fixed qd, (N, n, 3).

@@ -27,9 +27,10 @@ def unreachable(hit: Hit, placed: Placement) -> Candidate:
     """Say how close the contact gets to the object."""
     nearest = int(np.argmin(placed.error))
     error = float(placed.error[nearest])
-    joint, target = hit.contact.joint, _vector(hit.position)
+    joint, target = hit.contact.joint, hit.position
+    assert target is not None
     pivot, reach = reach_ball(hit)
-    away = float(np.linalg.norm(hit.position - pivot))
+    away = float(np.linalg.norm(target - pivot))
     certified = away > reach
     if certified:
         how = (
@@ -38,7 +39,7 @@ def unreachable(hit: Hit, placed: Placement) -> Candidate:
         )
     else:
         how = f"the closest of {len(placed.q)} inverse kinematics searches"
-    reason = f"unreachable: joint {joint} stays {error:.4g} m away from ({target}) ({how})"
+    reason = f"unreachable: joint {joint} stays {error:.4g} m away from ({_vector(target)}) ({how})"
     return _refused(hit, reason, certified, placed.q[nearest], position_error=error)
 
 
@@ -51,6 +52,7 @@ def movers(hit: Hit) -> int:
 def fixed(hit: Hit) -> Candidate:
     """Say that no joint moves the contact."""
     joint, q = hit.contact.joint, hit.robot.home
+    assert hit.position is not None
     here = position(hit.robot, q, hit.contact)
     reason = (
         f"infeasible direction: joint {joint} cannot move at all: no joint of the arm moves its "
@@ -107,9 +109,8 @@ def pointed_at(hit: Hit, found: Found) -> Candidate:
         why = f"the origins of joint {joint} and {following} coincide, so no link points away"
     else:
         why = (
-            f"the link from joint {joint} to {following} points towards the object whatever the "
-            f"arm does: along the direction {following} is {gap:.4g} m ahead at least, over "
-            f"{found.samples} configurations and {found.restarts.size} independent searches"
+            f"{following} lies at least {gap:.4g} m ahead of joint {joint} along the direction "
+            f"whatever the arm does, over {found.samples} configurations and {found.restarts.size} independent searches"
         )
     return _refused(hit, f"away condition impossible: {why}", certified, q, away_gap=gap)
 

@@ -134,9 +134,7 @@ class HitProblem:
             flux = np.log(found["speed"][0]) - np.log1p(hit.mass * mobility)
         value = flux if self.objective == "flux" else -np.log(mobility)
         if poses is not None:
-            gap = (
-                self._end(poses, hit.beyond) - poses.origins[hit.contact.joint - 1]
-            ) @ hit.direction
+            gap = self._gap(poses)[0]
             if self.objective == "away":
                 value = -gap
             else:
@@ -148,11 +146,6 @@ class HitProblem:
             with np.errstate(divide="ignore"):
                 value = np.log(kernel(q, hit.direction, hit.mass)["straight_flux"][0])
         return value, np.where(np.isfinite(value), excess, np.inf)
-
-    @staticmethod
-    def _end(poses: Poses, contact: Contact) -> Array:
-        origin = poses.origins[contact.joint - 1]
-        return origin + poses.rotations[contact.joint - 1] @ np.array(contact.offset)
 
     def evaluate(self, x: Array) -> Values:
         """Evaluate at x (N, m), see `Problem`."""
@@ -194,9 +187,7 @@ class HitProblem:
         return Values(value, gradient, np.stack(residual, axis=1), filled)
 
     def _gap(self, poses: Poses) -> tuple[Array, Array]:
-        here, here_by = self.geometry.row(poses, self.origin, self.hit.direction)
-        there, there_by = self.geometry.row(poses, self.hit.beyond, self.hit.direction)
-        return there - here, there_by - here_by
+        return self.geometry.gap(poses, self.origin, self.hit.beyond, self.hit.direction)
 
     def _mobility(self, q: Array) -> tuple[Array, Array]:
         found = self.kernel(q, self.hit.direction, threads=1)

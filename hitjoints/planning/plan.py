@@ -60,13 +60,14 @@ class Plan:
 
     @property
     def summary(self) -> str:
-        """The paper's question answered in one line."""
-        return "; ".join(
+        """The paper's question answered in one line, the joints that can do it first."""
+        parts = [
             f"joint {one.joint}: {one.inertia:.1f} kg, {one.speed:.2f} m/s"
             if one.feasible
             else f"joint {one.joint}: infeasible here because {one.reason}"
-            for one in self.candidates
-        )
+            for one in sorted(self.candidates, key=lambda one: not one.feasible)
+        ]
+        return "; ".join(parts)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the answer as JSON knows it."""

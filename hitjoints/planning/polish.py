@@ -261,7 +261,8 @@ def _newton(
     curvature, vectors = np.linalg.eigh(hessian)
     along = np.einsum("kij,ki->kj", vectors, uphill)
     floor = 1e-6 + 1e-6 * np.abs(curvature).max(axis=1, keepdims=True)
-    return np.einsum("kij,kj->ki", vectors, along / np.maximum(np.abs(curvature), floor))
+    step = np.einsum("kij,kj->ki", vectors, along / np.maximum(np.abs(curvature), floor))
+    return np.asarray(step)
 
 
 def _gram(rows: Array) -> Array:

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from hitjoints.planning.plan import Plan
     from hitjoints.robot import Robot
 
+OBJECT = (0.12, 0.12, 0.12)  # m, edges of the box drawn for the object
+
 
 def draw_plan(robot: Robot, plan: Plan) -> Figure:
     """Return the figure of a plan that has a best joint.
@@ -28,7 +30,7 @@ def draw_plan(robot: Robot, plan: Plan) -> Figure:
     assert plan.best.q is not None
     figure = Figure(figsize=(10, 5), layout="constrained")
     scene = figure.add_subplot(1, 2, 1, projection="3d")
-    draw_arm(scene, robot, plan.best.q, plan.best.joint, plan.direction, plan.position)
+    draw_arm(scene, robot, plan.best.q, plan.best.joint, plan.direction, object_size=OBJECT)
     scene.set_title(
         f"joint {plan.best.joint}: {plan.best.inertia:.3g} kg, {plan.best.speed:.3g} m/s",
         fontsize="medium",
@@ -60,4 +62,5 @@ def _draw_bars(axis: Axes, plan: Plan) -> None:
     axis.set_xticks(range(len(plan.candidates)), [f"joint {c.joint}" for c in plan.candidates])
     axis.set_ylabel(r"maximum flux $\phi_{\max}$ (m/s)")
     axis.margins(y=0.12)
+    axis.set_xlim(-0.6, len(plan.candidates) - 0.4)
     axis.spines[["top", "right"]].set_visible(False)
