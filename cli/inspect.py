@@ -9,13 +9,16 @@ import typer
 from .options import (
     DIRECTION,
     MASS,
+    ORIGIN,
     ROBOT,
     DirectionOption,
     JsonOption,
     MassOption,
+    OffsetOption,
     RobotOption,
     check_mass,
     numbers,
+    triple,
 )
 from .render import complain, print_json, print_table
 
@@ -28,9 +31,7 @@ def inspect(
     joint: Annotated[
         int | None, typer.Option("--joint", help="Hitting joint, from 1. [default: last but one]")
     ] = None,
-    offset: Annotated[
-        str, typer.Option(metavar="X,Y,Z", help="Contact point in the joint's frame (m).")
-    ] = "0,0,0",
+    offset: OffsetOption = ORIGIN,
     q: Annotated[
         str | None,
         typer.Option("--q", metavar="Q1,Q2,...", help="Joint positions. [default: home]"),
@@ -47,7 +48,7 @@ def inspect(
     check_mass(mass)
     arm = load_robot(robot)
     chosen = arm.hitting_joints[-2:][0] if joint is None else joint
-    contact = arm.contact(Contact(chosen, _triple(offset)))
+    contact = arm.contact(Contact(chosen, triple(offset, "offset")))
     configuration = arm.within_limits(arm.home if q is None else numbers(q))
     try:
         result = _quantities(arm, configuration, contact, numbers(direction), mass)
@@ -61,15 +62,6 @@ def inspect(
     if reason is not None:
         complain("no", reason)
         raise typer.Exit(3)
-
-
-def _triple(offset: str) -> tuple[float, float, float]:
-    from hitjoints.errors import InputError
-
-    values = numbers(offset)
-    if len(values) != 3:
-        raise InputError("offset", offset, "three numbers x,y,z in metres")
-    return values[0], values[1], values[2]
 
 
 def _quantities(

@@ -12,6 +12,7 @@ ROBOT = "iiwa14"
 OBJECT = "0.5,0.3,0.5"
 DIRECTION = "0,1,0"
 MASS = 2.0
+ORIGIN = "0,0,0"
 
 
 def numbers(text: str) -> list[float]:
@@ -45,6 +46,20 @@ def check_mass(mass: float) -> None:
         raise InputError("mass", mass, "an object weighs more than 0 kg")
 
 
+def triple(text: str, argument: str) -> tuple[float, float, float]:
+    """Read "x,y,z" and refuse any other count.
+
+    Raises:
+        InputError: not three numbers.
+    """
+    from hitjoints.errors import InputError
+
+    values = numbers(text)
+    if len(values) != 3:
+        raise InputError(argument, text, "three numbers x,y,z in metres")
+    return values[0], values[1], values[2]
+
+
 RobotOption = Annotated[
     str, typer.Option("--robot", metavar="NAME|FILE", help="Built-in name, or a URDF or TOML file.")
 ]
@@ -54,6 +69,9 @@ DirectionOption = Annotated[
 MassOption = Annotated[float, typer.Option("--mass", metavar="KG", help="Mass of the object.")]
 ObjectOption = Annotated[
     str, typer.Option("--object", metavar="X,Y,Z", help="Position of the object (m).")
+]
+OffsetOption = Annotated[
+    str, typer.Option("--offset", metavar="X,Y,Z", help="Contact point in the joint's frame (m).")
 ]
 JointsOption = Annotated[
     list[int] | None,

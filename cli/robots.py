@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import warnings
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from .options import ROBOT, JsonOption
 from .render import complain, print_json, print_table
+
+if TYPE_CHECKING:
+    from hitjoints.modelcheck import Issue
 
 app = typer.Typer(help="List the robots, or check one.", no_args_is_help=False)
 
@@ -60,20 +62,27 @@ def check(
     as_json: JsonOption = False,
 ) -> None:
     """Check the inertias and limits of a robot description, and say what a fault does."""
+    from hitjoints.errors import ModelError
     from hitjoints.loading import build_robot, describe
-    from hitjoints.modelcheck import check_description
+    from hitjoints.modelcheck import Issue, check_description
 
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    try:
         description = describe(robot)
         issues = check_description(description, build_robot(description))
-    rows = [issue.as_dict() for issue in issues]
-    if as_json:
-        print_json({"robot": description.name, "issues": rows})
-    elif rows:
-        print_table(f"{description.name}", list(rows[0]), [list(row.values()) for row in rows])
-    else:
-        print(f"{description.name}: no issues")
+    except ModelError as error:
+        _print_issues(robot, [Issue("error", "", error.reason, "it cannot be loaded")], as_json)
+        raise
+    _print_issues(description.name, issues, as_json)
     if strict and any(issue.severity == "error" for issue in issues):
         complain("no", f"{description.name} has inertias that cannot be trusted")
         raise typer.Exit(3)
+
+
+def _print_issues(name: str, issues: list[Issue], as_json: bool) -> None:
+    rows = [issue.as_dict() for issue in issues]
+    if as_json:
+        print_json({"robot": name, "issues": rows})
+    elif rows:
+        print_table(name, list(rows[0]), [list(row.values()) for row in rows])
+    else:
+        print(f"{name}: no issues")

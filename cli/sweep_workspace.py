@@ -13,16 +13,19 @@ import typer
 from .options import (
     DIRECTION,
     MASS,
+    ORIGIN,
     ROBOT,
     JointsOption,
     JsonOption,
     MassOption,
+    OffsetOption,
     PlotOption,
     RobotOption,
     SeedOption,
     check_mass,
     numbers,
     spaced,
+    triple,
 )
 from .render import complain, print_json, print_table
 
@@ -47,6 +50,7 @@ def sweep_workspace(
     ] = None,
     mass: MassOption = MASS,
     joints: JointsOption = None,
+    offset: OffsetOption = ORIGIN,
     samples: Annotated[int, typer.Option(help="Configurations per position and joint.")] = 100,
     out: Annotated[
         Path | None,
@@ -85,6 +89,7 @@ def sweep_workspace(
 
         check_writable(plot, "plot", FIGURE_ENDINGS)
     arm = hj.load_robot(robot)
+    contact_point = triple(offset, "offset")
     with _progress() as progress:
         swept = hj.sweep_workspace(
             arm,
@@ -93,7 +98,7 @@ def sweep_workspace(
             spaced(z),
             [numbers(text) for text in directions or [DIRECTION]],
             mass,
-            joints=joints,
+            joints=[hj.Contact(k, contact_point) for k in joints or arm.hitting_joints],
             samples=samples,
             seed=seed,
             out=out,

@@ -4,10 +4,9 @@ For one contact and one object mass, sweeps give the greatest flux (Eq. 10) at r
 directions, and the configuration that has it. From them come
 
 - the probability that the contact can produce a flux here: a small neural network;
-- configurations to start a search from: those of the most similar hits of the sweep, turned about
-  the base and placed by inverse kinematics. A Gaussian mixture over configurations and hits was
-  tried first: its proposals are hardly better than random ones, because the best configurations
-  lie on the joint limits, and a table of them is not smoothed.
+- configurations to start a search from: the best ones of the most similar hits of the sweep,
+  turned about the base and placed by inverse kinematics. The table is the distribution: a Gaussian
+  mixture fitted to it proposed configurations hardly better than random ones, and is not kept.
 
 An arm whose joint 1 turns about the vertical through the base's origin looks the same from every
 side; only joint 1's limits differ. Hits are then told apart by radius, height and the direction in
@@ -21,12 +20,15 @@ from __future__ import annotations
 import json
 import zipfile
 from dataclasses import dataclass, field
+from functools import lru_cache
 from importlib import import_module, metadata
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pinocchio as pin
 
-from hitjoints.errors import InputError, MissingExtraError
+from hitjoints.errors import InfeasibleError, InputError, MissingExtraError
+from hitjoints.maps.describe import origin
 from hitjoints.maps.files import check_writable, write_whole
 from hitjoints.quantities import kernel_for, place_joint
 from hitjoints.robot import Contact
@@ -119,8 +121,8 @@ class Feasibility:
             seed: of the inverse kinematics' restarts.
 
         Returns:
-            (M, n) rad within the limits, M <= count, from the most similar hit on. None when the
-            position cannot be reached.
+            (M, n) rad within the limits, M <= count, the most similar hit's first; (0, n) when the
+            position is out of reach.
 
         Raises:
             InputError: an argument cannot be used.
@@ -180,7 +182,9 @@ def load_feasibility(path: Path, robot: Robot) -> Feasibility:
         learnt, mass, provenance = found["digest"], found["mass"], found["provenance"]
         values = {name: arrays[name] for name in ("hits", "q", "centre", "scale")}
     except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
-        raise InputError("path", path, f"a file of learnt feasibility is needed ({error})") from None
+        raise InputError(
+            "path", path, f"a file of learnt feasibility is needed ({error})"
+        ) from None
     if learnt != robot.digest:
         raise InputError("path", path, f"it was learnt with another robot than {robot.name}")
     return Feasibility(robot, contact, mass, layers=layers, provenance=provenance, **values)
@@ -209,6 +213,7 @@ def learn_feasibility(
 
     Raises:
         InputError: an argument cannot be used.
+        InfeasibleError: the contact cannot produce any flux anywhere.
         MissingExtraError: scikit-learn is not installed.
     """
     try:
@@ -230,7 +235,7 @@ def learn_feasibility(
     hits, azimuth = _features(robot, at, h)
     reached = np.flatnonzero(flux > 0)
     if not reached.size:
-        raise InputError("contact", contact, "it cannot produce any flux")
+        raise InfeasibleError(f"joint {contact.joint} of {robot.name} cannot produce any flux")
     q[reached] = _turned(robot, q[reached], -azimuth[reached], limited=False)
     scale = np.maximum(hits.std(axis=0), 1e-3)
     near = neighbours(n_neighbors=min(NEIGHBOURS, reached.size)).fit(hits[reached] / scale)
@@ -252,20 +257,18 @@ def learn_feasibility(
     )
     provenance = {
         "seed": seed, "positions": positions, "directions": directions, "samples": samples,
-        "layers": len(layers), "hitjoints": metadata.version("hitjoints"),
-        "scikit-learn": metadata.version("scikit-learn"),
+        "layers": len(layers), "scikit-learn": metadata.version("scikit-learn"), **origin(robot),
     }  # fmt: skip
     return Feasibility(
         robot, contact, mass, hits[reached], q[reached], layers, centre, spread, provenance
     )
 
 
-def random_positions(
-    robot: Robot, contact: Contact, count: int, rng: np.random.Generator
-) -> Array:
+def random_positions(robot: Robot, contact: Contact, count: int, rng: np.random.Generator) -> Array:
     """Return positions (N, 3) m: two thirds of random configurations, the rest of the box round."""
-    ends = [np.where(np.isfinite(v), v, turn) for v, turn in _limits(robot)]
-    q = rng.uniform(*ends, (count, robot.n))
+    low = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
+    high = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
+    q = rng.uniform(low, high, (count, robot.n))
     kernel = kernel_for(robot, (contact,), ("position",))
     at = np.array(kernel(q, np.array([1.0, 0.0, 0.0]))["position"][0])
     beyond = int(BEYOND * count)
@@ -309,3 +312,31 @@ def maximum_flux(
 
 def _flux(robot: Robot, contact: Contact, mass: float, q: Array, h: Array) -> Array:
     return np.asarray(kernel_for(robot, (contact,), ("flux",))(q, h, mass)["flux"][0])
+
+
+@lru_cache(maxsize=16)
+def _turning(robot: Robot) -> float:
+    """Return the sense (1, -1) in which joint 1 turns about the base's vertical; 0 if not so."""
+    data = robot.model.createData()
+    column = pin.computeJointJacobians(robot.model, data, np.zeros(robot.n)).reshape(6, -1)[:, 0]
+    upright = np.abs(np.abs(column) - [0, 0, 0, 0, 0, 1]).max() < 1e-9
+    return float(np.sign(column[5])) if upright else 0.0
+
+
+def _features(robot: Robot, at: Array, h: Array) -> tuple[Array, Array]:
+    """Return what tells hits (N, 3), (N, 3) apart, (N, F), and the azimuths (N,) taken off."""
+    if not _turning(robot):
+        return np.hstack([at, h]), np.zeros(len(at))
+    azimuth = np.arctan2(at[:, 1], at[:, 0])
+    c, s = np.cos(azimuth), np.sin(azimuth)
+    radial, around = c * h[:, 0] + s * h[:, 1], c * h[:, 1] - s * h[:, 0]
+    radius = np.hypot(at[:, 0], at[:, 1])
+    return np.column_stack([radius, at[:, 2], radial, around, h[:, 2]]), azimuth
+
+
+def _turned(robot: Robot, q: Array, azimuth: Array, limited: bool = True) -> Array:
+    """Return q (N, n) turned about the base by azimuths (N,), joint 1 brought to its limits."""
+    turned, sense = q.copy(), _turning(robot)
+    if sense:
+        turned[:, 0] = (q[:, 0] + sense * azimuth + np.pi) % (2 * np.pi) - np.pi
+    return np.clip(turned, robot.lower, robot.upper) if limited else turned

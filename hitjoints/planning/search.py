@@ -130,54 +130,102 @@ def search(problem: HitProblem, sampler: Sampler, seed: int, hints: Array | None
         hints: (H, >= n) configurations known to be admissible, where random ones are not; every
             group starts from them too.
     """
-    n = problem.n
     rngs = [np.random.default_rng((seed, group)) for group in range(GROUPS)]
     q = sampler.draw(GROUPS * SAMPLES, seed)
     value, excess = problem.screen(q)
     pools = np.array_split(np.arange(len(q)), GROUPS)
     starts = [q[pool][_diverse(q[pool], value[pool], excess[pool], STARTS)] for pool in pools]
     if hints is not None:
-        starts = [np.concatenate((hints[:KEPT, :n], part)) for part in starts]
-    x, reached, group = _climb(problem, starts, COARSE)
+        starts = [np.concatenate((hints[:KEPT, : problem.n], part)) for part in starts]
+    now = _climb(problem, starts)
     for turn in range(ROUNDS[1]):
-        if turn >= ROUNDS[0] and _agree(reached, group):
+        if turn >= ROUNDS[0] and now.agree:
             break
-        best = [_best(reached, np.flatnonzero(group == g), KEPT) for g in range(GROUPS)]
-        near = [
-            sampler.vary(np.repeat(x[rows, :n], VARIANTS, axis=0), rng)
-            for rows, rng in zip(best, rngs, strict=True)
-        ]
-        placed = sampler.place(np.concatenate(near))
-        parts = np.cumsum([len(rows) for rows in near])[:-1]
-        hops = [
-            np.concatenate((x[rows, :n], hopped[_diverse(hopped, *scores, STARTS - KEPT)]))
-            for rows, hopped, *scores in zip(
-                best, *(np.split(a, parts) for a in (placed, *problem.screen(placed))), strict=True
-            )
-        ]
-        kept = np.concatenate(best)
-        more = _climb(problem, hops, COARSE)
-        x, reached, group = (
-            np.concatenate((old[kept], new))
-            for old, new in zip((x, reached, group), more, strict=True)
-        )
-    kept = np.concatenate([_best(reached, np.flatnonzero(group == g), KEPT) for g in range(GROUPS)])
-    x, last = climb(problem, problem.start(x[kept, :n]), FINE)
-    return _found(problem, x, last.value, feasible(problem, last), group[kept], q, value, excess)
+        now = _hop(problem, sampler, now, rngs, KEPT)
+    restarts = now.best
+    if not now.agree:
+        # What the groups found is on record; their best optima together are hopped from once more.
+        pooled = _Optima(now.x, now.value, np.zeros_like(now.group))
+        now = _hop(problem, sampler, pooled, rngs[:1], KEPT * GROUPS)
+    kept = _best(now.value, np.arange(len(now.x)), KEPT * GROUPS)
+    x, last = climb(problem, problem.start(now.x[kept, : problem.n]), FINE)
+    ok = np.flatnonzero(feasible(problem, last))
+    order = ok[np.argsort(-last.value[ok], kind="stable")]
+    x, reached = x[order], last.value[order]
+    admissible = np.flatnonzero(excess == 0)
+    ranked = admissible[np.argsort(-value[admissible], kind="stable")]
+    return Found(
+        x,
+        reached,
+        len(q),
+        len(admissible),
+        q[ranked],
+        int((np.diff(reached) < -SAME).sum()) + 1 if reached.size else 0,
+        np.minimum(restarts[np.isfinite(restarts)], reached.max(initial=-np.inf)),
+    )
 
 
-def _climb(
-    problem: HitProblem, starts: list[Array], steps: int
-) -> tuple[Array, Array, NDArray[np.intp]]:
-    """Climb from the starts of all groups at once; -inf is the value of one that got nowhere."""
-    x, last = climb(problem, problem.start(np.concatenate(starts)), steps)
-    reached = np.where(feasible(problem, last), last.value, -np.inf)
-    return x, reached, np.repeat(np.arange(GROUPS), [len(s) for s in starts])
+@dataclass(frozen=True)
+class _Optima:
+    """Where the climbs of all groups ended.
+
+    Attributes:
+        x: (S, m). value: (S,), -inf for a climb that got nowhere. group: (S,).
+    """
+
+    x: Array
+    value: Array
+    group: NDArray[np.intp]
+
+    @property
+    def best(self) -> Array:
+        """Best value of each group."""
+        return np.array([self.value[self.group == g].max(initial=-np.inf) for g in range(GROUPS)])
+
+    @property
+    def agree(self) -> bool:
+        """Tell whether all groups found the same value, or none found any."""
+        best = self.best
+        same = bool(np.isfinite(best).all()) and bool(best.max() - best.min() < AGREE)
+        return same or not np.isfinite(best).any()
 
 
-def _agree(reached: Array, group: NDArray[np.intp]) -> bool:
-    best = np.array([reached[group == g].max(initial=-np.inf) for g in range(GROUPS)])
-    return bool(best.max() - best.min() < AGREE) if np.isfinite(best).all() else False
+def _climb(problem: HitProblem, starts: list[Array]) -> _Optima:
+    """Climb from the starts of all groups at once."""
+    x, last = climb(problem, problem.start(np.concatenate(starts)), COARSE)
+    value = np.where(feasible(problem, last), last.value, -np.inf)
+    return _Optima(x, value, np.repeat(np.arange(len(starts)), [len(s) for s in starts]))
+
+
+def _hop(
+    problem: HitProblem,
+    sampler: Sampler,
+    now: _Optima,
+    rngs: list[np.random.Generator],
+    kept: int,
+) -> _Optima:
+    """Climb from variants of each group's best optima, which are climbed on as well."""
+    q = now.x[:, : problem.n]
+    best = [_best(now.value, np.flatnonzero(now.group == g), kept) for g in range(len(rngs))]
+    near = [
+        sampler.vary(np.repeat(q[rows], VARIANTS, axis=0), rng)
+        for rows, rng in zip(best, rngs, strict=True)
+    ]
+    placed = sampler.place(np.concatenate(near))
+    ends = np.cumsum([len(rows) for rows in near])[:-1]
+    fresh = (STARTS - KEPT) * (GROUPS // len(rngs))
+    starts = []
+    for rows, *hopped in zip(
+        best, *(np.split(part, ends) for part in (placed, *problem.screen(placed))), strict=True
+    ):
+        starts.append(np.concatenate((q[rows], hopped[0][_diverse(*hopped, fresh)])))
+    more = _climb(problem, starts)
+    old = np.concatenate(best)
+    return _Optima(
+        np.concatenate((now.x[old], more.x)),
+        np.concatenate((now.value[old], more.value)),
+        np.concatenate((now.group[old], more.group)),
+    )
 
 
 def _best(value: Array, rows: NDArray[np.intp], count: int) -> NDArray[np.intp]:
@@ -198,22 +246,3 @@ def _diverse(q: Array, value: Array, excess: Array, count: int) -> NDArray[np.in
         chosen.append(int(order[0]))
         order = order[((q[order] - q[order[0]]) ** 2).sum(axis=1) > APART**2]
     return np.array(chosen, dtype=int)
-
-
-def _found(
-    problem: HitProblem,
-    x: Array,
-    value: Array,
-    ok: NDArray[np.bool_],
-    group: NDArray[np.intp],
-    q: Array,
-    screened: Array,
-    excess: Array,
-) -> Found:
-    order = np.flatnonzero(ok)[np.argsort(-value[ok], kind="stable")]
-    x, value, group = x[order], value[order], group[order]
-    admissible = np.flatnonzero(excess == 0)
-    ranked = admissible[np.argsort(-screened[admissible], kind="stable")]
-    different = 1 + int((np.diff(value) < -SAME).sum()) if value.size else 0
-    restarts = np.array([value[group == g].max() for g in range(GROUPS) if (group == g).any()])
-    return Found(x, value, len(q), len(admissible), q[ranked], different, restarts)

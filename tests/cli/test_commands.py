@@ -1,6 +1,7 @@
 """Each command bare, as a table and as JSON."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -94,6 +95,16 @@ def test_robots_check(run, tmp_path):
     assert "warning: arm: flange" in run("inspect", "--robot", path).err
 
 
+def test_robots_check_of_what_cannot_be_loaded(run, tmp_path):
+    path = tmp_path / "arm.urdf"
+    path.write_text(re.sub(r"<limit[^>]*/>", "", hj.load_robot("iiwa14").xml, count=1))
+    outcome = run("robots", "check", path, "--json")
+    assert outcome.code == 1
+    (issue,) = outcome.json["issues"]
+    assert "joint_1" in issue["problem"]
+    assert "no <limit>" in issue["problem"]
+
+
 def test_sweep_joint_json(run):
     found = run("sweep", "joint", "--joint", 6, "--joint", 7, "--count", 5, "--json").json
     assert [row["joint"] for row in found["joints"]] == [6, 7]
@@ -167,6 +178,18 @@ def test_sweep_workspace(run, tmp_path):
     refused = run(*arguments, "--seed", "1")
     assert refused.code == 1
     assert "another seed" in refused.err
+
+
+def test_sweep_workspace_with_a_contact_point(run):
+    words = ["sweep", "workspace", "--x", "0.5", "--y", "0.2", "--z", "0.5", "--joint", 7]
+    found = run(*words, "--samples", 9, "--offset", "0,0.05,0.1", "--json").json
+    assert found["offsets"] == [[0, 0.05, 0.1]]
+    robot, q = hj.load_robot("iiwa14"), found["summary"][0]["q"]
+    contact = hj.Contact(7, (0, 0.05, 0.1))
+    np.testing.assert_allclose(hj.position(robot, q, contact), [0.5, 0.2, 0.5], atol=1e-8)
+    inertia = hj.directional_inertia(robot, q, contact, [0, 1, 0])
+    assert found["summary"][0]["inertia"] == pytest.approx(inertia, rel=1e-9)
+    assert run(*words, "--offset", "1,2").code == 1
 
 
 def test_sweep_workspace_out_of_reach(run):
