@@ -64,11 +64,11 @@ def check(
     """Check the inertias and limits of a robot description, and say what a fault does."""
     from hitjoints.errors import ModelError
     from hitjoints.loading import build_robot, describe
-    from hitjoints.modelcheck import Issue, check_description
+    from hitjoints.modelcheck import Issue, check_arm
 
     try:
         description = describe(robot)
-        issues = check_description(description, build_robot(description))
+        issues = check_arm(description.arm, build_robot(description))
     except ModelError as error:
         _print_issues(robot, [Issue("error", "", error.reason, "it cannot be loaded")], as_json)
         raise

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from hitjoints.errors import InputError, ModelError, UnknownNameError
+from hitjoints.modelcheck import check_arm
 from hitjoints.robot import Contact, Robot
 from hitjoints.urdf import Arm, read_arm, read_text
 
@@ -68,11 +69,9 @@ def load_robot(name_or_path: str | Path, *, lock: Collection[str] = ()) -> Robot
         ModelWarning: an inertia is physically impossible or out of proportion; the text says what
             that does to the directional inertia.
     """
-    from hitjoints.modelcheck import check_description
-
     description = describe(name_or_path, lock)
     robot = build_robot(description)
-    for issue in check_description(description, robot):
+    for issue in check_arm(description.arm, robot):
         if issue.severity == "error":
             warnings.warn(f"{robot.name}: {issue}", ModelWarning, stacklevel=2)
     return robot

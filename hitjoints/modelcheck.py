@@ -14,8 +14,7 @@ from hitjoints.tolerances import MOBILITY_FLOOR
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.loading import Description
-    from hitjoints.urdf import Link
+    from hitjoints.urdf import Arm, Link
 
 SAMPLES = 100  # configurations a wrong inertia's effect is measured on
 THICKNESS = 0.1  # of a link, as a share of the arm's reach: joint origins tell only the length
@@ -47,20 +46,20 @@ class Issue:
         return asdict(self)
 
 
-def check_description(description: Description, robot: Robot) -> list[Issue]:
+def check_arm(arm: Arm, robot: Robot) -> list[Issue]:
     """Check link inertias and joint limits; the gravest findings first."""
     issues = [
-        *_check_links(description, robot),
+        *_check_links(arm, robot),
         *_check_mass_matrix(robot),
         *_check_limits(robot),
     ]
     return sorted(issues, key=lambda issue: ("error", "warning", "note").index(issue.severity))
 
 
-def _check_links(description: Description, robot: Robot) -> list[Issue]:
+def _check_links(arm: Arm, robot: Robot) -> list[Issue]:
     issues = []
-    reach = sum(link.size for link in description.arm.links if link.moving)
-    for link in description.arm.links:
+    reach = sum(link.size for link in arm.links if link.moving)
+    for link in arm.links:
         if _frame(link, robot).parentJoint == 0:
             continue  # the base does not move: its inertia plays no part
         problem, severity = _inertia_problem(link, reach)

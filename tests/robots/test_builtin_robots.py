@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from hitjoints.loading import describe, load_robot, robot_names
-from hitjoints.modelcheck import check_description
+from hitjoints.modelcheck import check_arm
 
 OWN = ["iiwa14", "iiwa14_bullet", "iiwa7"]
 ALL = [*OWN, "panda", "xarm7"]
@@ -47,7 +47,7 @@ def test_loads_without_a_warning(name):
     assert (robot.velocity_upper > 0).all()
     np.testing.assert_array_equal(robot.velocity_lower, -robot.velocity_upper)
     np.testing.assert_array_equal(robot.model.armature, 0)
-    assert all(issue.severity != "error" for issue in check_description(describe(name), robot))
+    assert all(issue.severity != "error" for issue in check_arm(describe(name).arm, robot))
 
 
 @pytest.mark.parametrize("name", OWN)

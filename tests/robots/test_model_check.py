@@ -11,7 +11,7 @@ import pytest
 from hitjoints.dynamics.inertia import inertia_along, inverse_inertia
 from hitjoints.errors import ModelError
 from hitjoints.loading import ModelWarning, describe, load_robot
-from hitjoints.modelcheck import check_description
+from hitjoints.modelcheck import check_arm
 from hitjoints.robot import Contact
 
 PHANTOM = (
@@ -24,7 +24,7 @@ def issues_of(path, *, quiet=True, **options):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore" if quiet else "error")
         robot = load_robot(path, **options)
-    return check_description(describe(path, **options), robot)
+    return check_arm(describe(path, **options).arm, robot)
 
 
 @pytest.fixture
