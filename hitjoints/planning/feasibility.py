@@ -18,6 +18,7 @@ Training needs scikit-learn, the answers do not.
 from __future__ import annotations
 
 import json
+import warnings
 import zipfile
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -45,8 +46,7 @@ if TYPE_CHECKING:
 
 ENDINGS = (".npz",)
 BEYOND = 1 / 3  # share of the training positions drawn from the box round the workspace
-QUESTIONS = 4  # fluxes asked about per hit of the sweep
-NEIGHBOURS = 8  # hits whose configurations are tried to better the one of a hit
+QUESTIONS = 3  # fluxes asked about per hit of the sweep
 NETWORK: dict[str, Any] = {
     "hidden_layer_sizes": (64, 64), "max_iter": 30, "batch_size": 512,
     "learning_rate_init": 2e-3, "early_stopping": True,
@@ -218,7 +218,7 @@ def learn_feasibility(
     """
     try:
         network = import_module("sklearn.neural_network").MLPClassifier
-        neighbours = import_module("sklearn.neighbors").NearestNeighbors
+        limit_threads = import_module("threadpoolctl").threadpool_limits
     except ImportError:
         raise MissingExtraError("scikit-learn", "learn") from None
     contact = robot.contact(contact)
@@ -237,21 +237,14 @@ def learn_feasibility(
     if not reached.size:
         raise InfeasibleError(f"joint {contact.joint} of {robot.name} cannot produce any flux")
     q[reached] = _turned(robot, q[reached], -azimuth[reached], limited=False)
-    scale = np.maximum(hits.std(axis=0), 1e-3)
-    near = neighbours(n_neighbors=min(NEIGHBOURS, reached.size)).fit(hits[reached] / scale)
-    for column in near.kneighbors(hits[reached] / scale)[1].T[1:]:
-        start = _turned(robot, q[reached[column]], azimuth[reached])
-        better = place_joint(robot, contact, at[reached], seed, start=start)
-        gained = _flux(robot, contact, mass, better.q, h[reached])
-        won = better.solved & (gained > flux[reached])
-        flux[reached[won]] = gained[won]
-        q[reached[won]] = _turned(robot, better.q[won], -azimuth[reached[won]], limited=False)
     top = 1.05 * float(np.quantile(flux[reached], 0.99))
     asked = rng.uniform(0.0, top, QUESTIONS * len(flux))
     x = np.column_stack([np.tile(hits, (QUESTIONS, 1)), asked])
     centre, spread = x.mean(axis=0), np.maximum(x.std(axis=0), 1e-3)
     able = (np.tile(flux, QUESTIONS) >= asked).astype(int)
-    trained = network(random_state=seed, **NETWORK).fit((x - centre) / spread, able)
+    # The batches are small: threads would only wait for each other. The iterations are a budget.
+    with limit_threads(1), warnings.catch_warnings(category=UserWarning, action="ignore"):
+        trained = network(random_state=seed, **NETWORK).fit((x - centre) / spread, able)
     layers = tuple(
         part for pair in zip(trained.coefs_, trained.intercepts_, strict=True) for part in pair
     )

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 GROUPS = 4
 SAMPLES = 512  # per group
-STARTS = 14  # per group, in the first climb and in every hop
-KEPT = 4  # optima per group that hops start from
+STARTS = 10  # per group, in the first climb and in every hop
+KEPT = 3  # optima per group that hops start from
 VARIANTS = 48  # per optimum
 ROUNDS = (1, 3)  # of hops: always, and at most while the groups disagree
 AGREE = 5e-5  # relative
@@ -212,13 +212,14 @@ def _hop(
         for rows, rng in zip(best, rngs, strict=True)
     ]
     placed = sampler.place(np.concatenate(near))
-    ends = np.cumsum([len(rows) for rows in near])[:-1]
+    value, excess = problem.screen(placed)
     fresh = (STARTS - KEPT) * (GROUPS // len(rngs))
-    starts = []
-    for rows, *hopped in zip(
-        best, *(np.split(part, ends) for part in (placed, *problem.screen(placed))), strict=True
-    ):
-        starts.append(np.concatenate((q[rows], hopped[0][_diverse(*hopped, fresh)])))
+    starts, end = [], 0
+    for rows, variants in zip(best, near, strict=True):
+        part = slice(end, end + len(variants))
+        chosen = _diverse(placed[part], value[part], excess[part], fresh)
+        starts.append(np.concatenate((q[rows], placed[part][chosen])))
+        end = part.stop
     more = _climb(problem, starts)
     old = np.concatenate(best)
     return _Optima(

@@ -141,9 +141,12 @@ def test_a_small_arm_without_symmetry(urdf):
     assert learnt.propose(position(robot, [0.3, -0.6], tip), [0, 1, 0], 2).shape == (2, 2)
 
 
-def test_a_joint_that_does_not_move(robot):
-    with pytest.raises(InfeasibleError, match="joint 1 of iiwa14 cannot produce any flux"):
+def test_contacts_that_never_hit(robot, urdf):
+    with pytest.raises(InputError, match="no joint moves this contact"):
         learn_feasibility(robot, 1, MASS, **SMALL)
+    locked = urdf.load(urdf.two_links().replace('velocity="2"', 'velocity="0"'))
+    with pytest.raises(InfeasibleError, match="joint 2 of small cannot produce any flux"):
+        learn_feasibility(locked, 2, MASS, positions=20, directions=1, samples=2)
 
 
 def test_without_scikit_learn(arm, monkeypatch):
