@@ -39,11 +39,16 @@ def measure() -> list[Row]:
     robot, rows = hj.load_robot("iiwa14"), []
     for joint in JOINTS:
         contact, rng = Contact(joint), np.random.default_rng(1000 + joint)
+        kernel = kernel_for(robot, (contact,), ("flux",))
         learnt: list[Feasibility] = []
         spent = seconds(lambda: learnt.append(learn_feasibility(robot, contact, MASS)))  # noqa: B023
         at = random_positions(robot, contact, HITS, rng)
         h = unit(rng.normal(size=(HITS, 3)))
         exact = maximum_flux(robot, contact, MASS, at, h, DENSE, 1000 + joint)[0]
+        # What a proposal attains can be attained, whether or not the dense samples show it.
+        for i in np.flatnonzero(exact):
+            best = kernel(learnt[0].propose(at[i], h[i], PROPOSED), h[i], MASS)["flux"][0].max()
+            exact[i] = max(exact[i], best)
         _say(f"joint {joint}: learnt in {spent:.1f} s, {len(learnt[0].hits)} hits")
         report_answers(learnt[0], at, h, exact, rng)
         rows.append(compare_searches(robot, learnt[0], at[exact > 0], h[exact > 0]))
@@ -109,11 +114,10 @@ def compare_searches(robot: Robot, learnt: Feasibility, at: Array, h: Array) -> 
             len(chosen),
         ),
         (
-            f"{needs['random']} random configurations",
+            f"{needs['random']}{' (too few)' * (needs['random'] == RANDOM)} random configurations",
             lambda: [draw(i, needs["random"]) for i in chosen],
             len(chosen),
         ),
-        target=">= 1",
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -71,15 +72,15 @@ class HittingField:
         if self.speed_profile not in ("paper", "constant"):
             raise InputError("speed_profile", repr(self.speed_profile), "'paper' or 'constant'")
 
-    @property
+    @cached_property
     def speed(self) -> float:
         """|velocity|, m/s."""
         return float(np.linalg.norm(self.velocity))
 
-    @property
+    @cached_property
     def direction(self) -> Vector:
         """(3,) unit vector of the velocity."""
-        return np.asarray(self.velocity / self.speed)
+        return _frozen(self.velocity / self.speed)
 
     def __call__(self, position: ArrayLike) -> Vector:
         """Return the velocity (3,) m/s that the field asks for at a position (3,) m.

@@ -10,7 +10,13 @@ directions, and the configuration that has it. From them come
 
 An arm whose joint 1 turns about the vertical through the base's origin looks the same from every
 side; only joint 1's limits differ. Hits are then told apart by radius, height and the direction in
-the vertical plane through the position. `benchmarks/learning.py` measures what all that is worth.
+the vertical plane through the position.
+
+What it is worth (`benchmarks/learning.py`, iiwa14, joints 5 to 7): 97 % of the answers right, and
+20 to 200 times fewer configurations tried until, in nine hits of ten, one is within 1 % of the
+greatest flux (at joint 7 random search does not get there with 2048). It hardly saves time: a call
+of the batched inverse kinematics costs about 2 ms for one configuration as for a thousand, so the
+two searches take about equally long.
 
 Training needs scikit-learn, the answers do not.
 """
@@ -21,7 +27,7 @@ import json
 import warnings
 import zipfile
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from importlib import import_module, metadata
 from typing import TYPE_CHECKING, Any
 
@@ -45,7 +51,10 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 ENDINGS = (".npz",)
+LEAST_SCALE = 1e-3  # of a feature that hardly varies
 BEYOND = 1 / 3  # share of the training positions drawn from the box round the workspace
+NEIGHBOURS = 6  # similar hits whose configurations are tried to better the one of a hit
+ROUNDS = 3  # of that: what is found spreads
 QUESTIONS = 3  # fluxes asked about per hit of the sweep
 NETWORK: dict[str, Any] = {
     "hidden_layer_sizes": (64, 64), "max_iter": 30, "batch_size": 512,
@@ -133,13 +142,20 @@ class Feasibility:
         if count < 1:
             raise InputError("count", count, "at least 1")
         rows, azimuth = _features(self.robot, at[None], h[None])
-        away = (((self.hits - rows) / self.scale[:-1]) ** 2).sum(axis=1)
+        table, squares = self._table
+        away = squares - 2.0 * (table @ (rows[0] / self.scale[:-1]))
         count = min(count, len(away))
         nearest = np.argpartition(away, count - 1)[:count]
         nearest = nearest[np.argsort(away[nearest], kind="stable")]
         start = _turned(self.robot, self.q[nearest], np.repeat(azimuth, count))
         placed = place_joint(self.robot, self.contact, np.tile(at, (count, 1)), seed, start=start)
         return np.asarray(placed.q[placed.solved])
+
+    @cached_property
+    def _table(self) -> tuple[Array, Array]:
+        """The hits in units of their spread, (T, F), and their squared lengths (T,)."""
+        table = self.hits / self.scale[:-1]
+        return table, (table**2).sum(axis=1)
 
     def save(self, path: Path) -> None:
         """Write all of it into one NPZ file: arrays, and the rest as JSON.
@@ -218,6 +234,7 @@ def learn_feasibility(
     """
     try:
         network = import_module("sklearn.neural_network").MLPClassifier
+        neighbours = import_module("sklearn.neighbors").NearestNeighbors
         limit_threads = import_module("threadpoolctl").threadpool_limits
     except ImportError:
         raise MissingExtraError("scikit-learn", "learn") from None
@@ -234,13 +251,23 @@ def learn_feasibility(
     at = np.tile(at, (directions, 1))
     hits, azimuth = _features(robot, at, h)
     reached = np.flatnonzero(flux > 0)
-    if not reached.size:
+    if reached.size < 2:
         raise InfeasibleError(f"joint {contact.joint} of {robot.name} cannot produce any flux")
     q[reached] = _turned(robot, q[reached], -azimuth[reached], limited=False)
+    scale = np.maximum(hits.std(axis=0), LEAST_SCALE)
+    count = min(NEIGHBOURS, reached.size - 1)
+    similar = neighbours(n_neighbors=count).fit(hits[reached] / scale).kneighbors()[1]
+    for column in np.tile(similar, ROUNDS).T:
+        start = _turned(robot, q[reached[column]], azimuth[reached])
+        better = place_joint(robot, contact, at[reached], seed, start=start)
+        gained = _flux(robot, contact, mass, better.q, h[reached])
+        won = better.solved & (gained > flux[reached])
+        flux[reached[won]] = gained[won]
+        q[reached[won]] = _turned(robot, better.q[won], -azimuth[reached[won]], limited=False)
     top = 1.05 * float(np.quantile(flux[reached], 0.99))
     asked = rng.uniform(0.0, top, QUESTIONS * len(flux))
     x = np.column_stack([np.tile(hits, (QUESTIONS, 1)), asked])
-    centre, spread = x.mean(axis=0), np.maximum(x.std(axis=0), 1e-3)
+    centre, spread = x.mean(axis=0), np.maximum(x.std(axis=0), LEAST_SCALE)
     able = (np.tile(flux, QUESTIONS) >= asked).astype(int)
     # The batches are small: threads would only wait for each other. The iterations are a budget.
     with limit_threads(1), warnings.catch_warnings(category=UserWarning, action="ignore"):

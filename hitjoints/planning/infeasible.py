@@ -9,7 +9,7 @@ import numpy as np
 from hitjoints.dynamics.kinematics import feasible_directions, position
 from hitjoints.kernels import Chain
 from hitjoints.planning.candidates import Candidate, away_gap
-from hitjoints.planning.objectives import AWAY_MARGIN, HitProblem
+from hitjoints.planning.objectives import AWAY_MARGIN
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -144,11 +144,6 @@ def _refused(hit: Hit, reason: str, certified: bool, q: Array, **nearest: Any) -
         position_error=nearest.get("position_error"),
         evidence=evidence,
     )
-
-
-def away_problem(hit: Hit) -> HitProblem:
-    """Return the search for the least h . (chi_{k+1} - chi_k)."""
-    return HitProblem(hit, "away")
 
 
 def points_away(found: Found) -> bool:

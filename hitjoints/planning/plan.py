@@ -162,11 +162,15 @@ def _plan_joint(
         return infeasible.unreachable(hit, probe)
     sampler = Sampler(hit, hit.robot.lower, hit.robot.upper)
     problem = HitProblem(hit, "inertia" if objective == "rebound" else objective, flux=flux)
-    found = search(problem, sampler, seed)
-    if not found.value.size:
+    if flux is None:
+        found = search(problem, sampler, seed)
+        refusal = None
+    else:
+        found, refusal = _search_with_flux(hit, problem, sampler, seed)
+    if refusal is None and not found.value.size:
         found, refusal = _second_try(hit, problem, sampler, seed, probe.q[probe.solved])
-        if refusal is not None:
-            return refusal
+    if refusal is not None:
+        return refusal
     q = _accepted(found, problem.n, accept)
     if q is None:
         reason = (
@@ -180,6 +184,20 @@ def _plan_joint(
     return Candidate(hit.contact.joint, True, "", **measure(hit, q), evidence=evidence)
 
 
+def _search_with_flux(
+    hit: Hit, problem: HitProblem, sampler: Sampler, seed: int
+) -> tuple[Found, Candidate | None]:
+    """Search where a flux is reached, from where most is: random samples seldom reach it."""
+    assert problem.flux is not None
+    hardest = search(HitProblem(hit, "flux"), sampler, seed)
+    if not hardest.value.size:
+        return hardest, None
+    enough = hardest.x[np.exp(hardest.value) > problem.flux]
+    if not len(enough):
+        return hardest, infeasible.short_of_flux(hit, problem.flux, hardest)
+    return search(problem, sampler, seed, enough), None
+
+
 def _second_try(
     hit: Hit, problem: HitProblem, sampler: Sampler, seed: int, placed: Array
 ) -> tuple[Found, Candidate | None]:
@@ -189,23 +207,16 @@ def _second_try(
         A new search from where nothing does, or the reason why there is no such place.
     """
     free = HitProblem(replace(hit, away=False), "inertia")
-    if not np.isfinite(free.screen(placed)[0]).any():
-        return Found.nothing(), infeasible.immobile(hit, placed[0])
-    starts = None
-    if hit.away:
-        pointing = search(infeasible.away_problem(hit), sampler, seed)
+    pointing = None
+    if hit.away and np.isfinite(free.screen(placed)[0]).any():
+        pointing = search(HitProblem(hit, "away"), sampler, seed)
         if not infeasible.points_away(pointing):
             return pointing, infeasible.pointed_at(hit, pointing)
-        starts = pointing.x
-    if problem.flux is not None:
-        hardest = search(HitProblem(hit, "flux"), sampler, seed, starts)
-        if not hardest.value.size or np.exp(hardest.value[0]) < problem.flux:
-            return hardest, infeasible.short_of_flux(hit, problem.flux, hardest)
-        starts = hardest.x
-    found = search(problem, sampler, seed, starts)
-    if found.value.size:
-        return found, None
-    return found, infeasible.immobile(hit, placed[0] if starts is None else starts[0])
+        found = search(problem, sampler, seed, pointing.x)
+        if found.value.size:
+            return found, None
+    q = placed[0] if pointing is None else pointing.x[0]
+    return Found.nothing(), infeasible.immobile(hit, q)
 
 
 def _accepted(found: Found, n: int, accept: Callable[[Array], bool] | None) -> Array | None:

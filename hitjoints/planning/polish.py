@@ -27,6 +27,7 @@ ON_MANIFOLD = 1e-10
 SNAP = 1e-2
 """Within this of a bound (rad), or of an inequality's limit, a climb against it goes onto it."""
 
+BLOCKED = 0.05  # of a step: a variable that meets its bound that early is held for it
 LONGEST, SHORTEST = 0.5, 1e-8  # of a step, rad
 STATIONARY = 1e-7  # projected gradient of the log objective, per rad
 DIFFERENCE = 1e-6  # step of the Hessian's forward difference, rad
@@ -84,7 +85,7 @@ def climb(problem: Problem, x: Array, steps: int) -> tuple[Array, Values]:
     Returns:
         x (N, m), within the bounds exactly, and the values there; see `feasible`.
     """
-    x, now = pull_back(problem, x)
+    x, now = pull_back(problem, x, steps=15)
     radius = np.full(len(x), LONGEST)
     refused = np.zeros(len(x), dtype=bool)
     alive = np.flatnonzero(feasible(problem, now))
@@ -104,15 +105,23 @@ def climb(problem: Problem, x: Array, steps: int) -> tuple[Array, Values]:
         alive, at, here, uphill = alive[moving], at[moving], here.take(moving), uphill[moving]
         face, basis = face.take(moving), basis[moving]
         again = refused[alive]
-        step = np.where(
-            again[:, None], uphill, _newton(problem, at, here, face.multipliers, basis, uphill)
-        )
-        length = np.linalg.norm(step, axis=1)
+        step, length = _step(problem, at, here, face, basis, uphill, again)
+        # Newton's step may press against a bound that the gradient does not: without it, then.
+        pressed = face.free & (_room(problem, at, step) < BLOCKED)
+        held = np.flatnonzero(pressed.any(axis=1))
+        if held.size:
+            part = face.take(held)
+            part = _Face(part.at, part.free & ~pressed[held], part.active, part.multipliers)
+            rows = here.slope[held] * part.active[:, :, None] * part.free[:, None, :]
+            basis = _tangents(rows, part.free)
+            uphill = np.einsum("kmd,km->kd", basis, here.gradient[held])
+            step[held], length[held] = _step(
+                problem, at[held], here.take(held), part, basis, uphill, again[held]
+            )
         # A retry along the gradient takes the whole radius; Newton's step knows its own length.
         cut = radius[alive] / np.maximum(length, 1e-300)
         factor = np.where(again, cut, np.minimum(1.0, cut))
-        step = np.einsum("kmd,kd->km", basis, step)
-        factor = np.minimum(factor, _room(problem, at, step))
+        factor = np.minimum(factor, _room(problem, at, step).min(axis=1))
         tried, there = pull_back(problem, face.at + step * factor[:, None], face.free, face.active)
         better = feasible(problem, there) & (there.value > here.value)
         shorter = 0.25 * np.minimum(radius[alive], np.maximum(length * factor, SNAP * 0.1))
@@ -222,11 +231,25 @@ def _face(problem: Problem, x: Array, now: Values, near: Array) -> _Face:
 
 
 def _room(problem: Problem, x: Array, step: Array) -> Array:
-    """Return the share (N,) of a step after which its first variable meets a bound."""
+    """Return the shares (N, m) of a step after which each variable meets a bound."""
     gap = np.where(step > 0, problem.upper, problem.lower) - x
     moved = np.abs(step) > 1e-14
-    share = np.where(moved, gap / np.where(moved, step, 1.0), np.inf)
-    return np.asarray(share.min(axis=1))
+    return np.asarray(np.where(moved, gap / np.where(moved, step, 1.0), np.inf))
+
+
+def _step(
+    problem: Problem,
+    x: Array,
+    now: Values,
+    face: _Face,
+    basis: Array,
+    uphill: Array,
+    again: Mask,
+) -> tuple[Array, Array]:
+    """Return steps (N, m) and their lengths: Newton's, or the gradient after a refusal."""
+    newton = _newton(problem, x, now, face.multipliers, basis, uphill)
+    step = np.where(again[:, None], uphill, newton)
+    return np.einsum("kmd,kd->km", basis, step), np.linalg.norm(step, axis=1)
 
 
 def _tangents(rows: Array, free: Mask) -> Array:

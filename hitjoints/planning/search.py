@@ -32,6 +32,7 @@ AGREE = 5e-5  # relative
 SAME = 1e-6  # relative
 APART = 0.3  # rad, between starts
 SCATTER = 0.5  # rad, of a hop
+PENALTY = 3.0  # of an excess, against the logarithm of the objective
 COARSE, FINE = 6, 40  # steps of a climb
 
 
@@ -127,16 +128,16 @@ def search(problem: HitProblem, sampler: Sampler, seed: int, hints: Array | None
         problem: what to maximise.
         sampler: of configurations on the manifold.
         seed: of everything random; the same seed gives the same answer.
-        hints: (H, >= n) configurations known to be admissible, where random ones are not; every
-            group starts from them too.
+        hints: (H, >= n) configurations known to be admissible, where random ones hardly are;
+            every group starts from them too.
     """
     rngs = [np.random.default_rng((seed, group)) for group in range(GROUPS)]
     q = sampler.draw(GROUPS * SAMPLES, seed)
     value, excess = problem.screen(q)
     pools = np.array_split(np.arange(len(q)), GROUPS)
-    starts = [q[pool][_diverse(q[pool], value[pool], excess[pool], STARTS)] for pool in pools]
+    starts = [_starts(problem, q[pool], value[pool], excess[pool], STARTS) for pool in pools]
     if hints is not None:
-        starts = [np.concatenate((hints[:KEPT, : problem.n], part)) for part in starts]
+        starts = [np.concatenate((hints[:, : problem.n], part)) for part in starts]
     now = _climb(problem, starts)
     for turn in range(ROUNDS[1]):
         if turn >= ROUNDS[0] and now.agree:
@@ -217,8 +218,8 @@ def _hop(
     starts, end = [], 0
     for rows, variants in zip(best, near, strict=True):
         part = slice(end, end + len(variants))
-        chosen = _diverse(placed[part], value[part], excess[part], fresh)
-        starts.append(np.concatenate((q[rows], placed[part][chosen])))
+        chosen = _starts(problem, placed[part], value[part], excess[part], fresh)
+        starts.append(np.concatenate((q[rows], chosen)))
         end = part.stop
     more = _climb(problem, starts)
     old = np.concatenate(best)
@@ -235,6 +236,20 @@ def _best(value: Array, rows: NDArray[np.intp], count: int) -> NDArray[np.intp]:
     rows = rows[np.argsort(-value[rows], kind="stable")]
     fresh = np.concatenate(([True], np.diff(value[rows]) < -SAME))[: len(rows)]
     return np.asarray(rows[fresh][:count])
+
+
+def _starts(problem: HitProblem, q: Array, value: Array, excess: Array, count: int) -> Array:
+    """Choose what to climb from: the best admissible rows, or else those nearest to it.
+
+    A demanded flux leaves small islands that samples miss; climbs that have to be pulled onto them
+    from good values find more.
+    """
+    chosen = _diverse(q, value, excess, count)
+    if problem.flux is not None:
+        short = np.where(np.isfinite(excess), PENALTY * excess, np.inf)
+        bold = _diverse(q, value - short, np.where(np.isfinite(excess), 0.0, np.inf), count)
+        chosen = np.union1d(chosen, bold)
+    return np.asarray(q[chosen])
 
 
 def _diverse(q: Array, value: Array, excess: Array, count: int) -> NDArray[np.intp]:

@@ -13,15 +13,19 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 PARALLEL = 1e-9  # sine of the angle below which two lateral velocities are parallel
+LEVEL = 1e-9  # reduced speeds below this share of the greatest pull vanish
+RELATIVE, TINY = 1e-13, 1e-18  # damping (TINY in (m/rad)^2) where fewer than two joints balance
+PASSES = 4  # of balancing; a joint that meets its bound leaves the others to it
 
 
 def straight_velocities(pull: Array, across: Array, lower: Array, upper: Array) -> Array:
     """Return joint velocities of the fastest motion without lateral speed, (N, n) rad/s.
 
     The dual, min over mu (2,) of the support of the velocity box at g + mu . a, is attained where
-    the reduced speeds of two joints vanish. Those two are then solved for; the others sit on the
-    bound their sign asks for. Where fewer than two joints can balance each other the velocity is
-    the best guess, to be corrected by who uses it.
+    the reduced speeds of two joints vanish, or of more: those of the three joints of a spherical
+    shoulder always vanish together. They balance the lateral motion of the others, which sit on
+    the bound their sign asks for. What rounding or the bounds leave of it has to be corrected by
+    who uses the velocity.
 
     Args:
         pull: (N, n) m/rad, g = J^T h.
@@ -42,15 +46,19 @@ def straight_velocities(pull: Array, across: Array, lower: Array, upper: Array) 
     reduced = pull[:, None, :] + mu @ across
     dual = np.maximum(reduced * upper, reduced * lower).sum(axis=2)
     best = np.argmin(np.where(usable, dual, np.inf), axis=1)
-    at = np.arange(rows)
-    chosen = reduced[at, best]
+    chosen = reduced[np.arange(rows), best]
+    size = np.abs(pull).max(axis=1, initial=0.0, keepdims=True)
+    balancing = np.abs(chosen) <= LEVEL * size
     qd = np.where(chosen > 0, upper, lower)
-    qd = np.where(np.any(across != 0, axis=1) | (pull != 0), qd, np.clip(0.0, lower, upper))
-    i, j = pairs[best].T
-    qd[at, i], qd[at, j] = 0.0, 0.0
-    rest = -np.einsum("kan,kn->ka", across, qd)
-    inverse = scale[at, best]
-    p, r = across[at, :, i], across[at, :, j]
-    qd[at, i] = (rest[:, 0] * r[:, 1] - rest[:, 1] * r[:, 0]) * inverse
-    qd[at, j] = (p[:, 0] * rest[:, 1] - p[:, 1] * rest[:, 0]) * inverse
-    return np.clip(qd, lower, upper)
+    qd = np.where(balancing, np.clip(0.0, lower, upper), qd)
+    for _ in range(PASSES):
+        # The least further motion of the balancing joints that stops the lateral one.
+        a = across * balancing[:, None, :]
+        gram = a @ a.transpose(0, 2, 1)
+        trace = gram[:, 0, 0] + gram[:, 1, 1]
+        gram[:, (0, 1), (0, 1)] += (RELATIVE * trace + TINY)[:, None]
+        lateral = across @ qd[:, :, None]
+        qd = qd - (a.transpose(0, 2, 1) @ np.linalg.solve(gram, lateral))[:, :, 0]
+        balancing &= (qd > lower) & (qd < upper)
+        qd = np.clip(qd, lower, upper)
+    return qd

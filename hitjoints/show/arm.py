@@ -12,6 +12,7 @@ from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InputError
 from hitjoints.robot import Contact
 from hitjoints.show.figures import colour_of
+from hitjoints.tolerances import MOBILITY_FLOOR
 from hitjoints.vectors import points, unit
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ LINK, EDGE = "#C9CED6", "#6B7280"
 BOX, INERTIA = "#E69F00", "#0072B2"
 ARROW = 0.25  # m, length of the direction's arrow
 TYPICAL = 0.10  # m, about the radius at which the median inertia is drawn
-LONGEST = 0.30  # m, where the inertia is cut off: at a singularity it is infinite
+LONGEST = 0.20  # m, where the inertia is cut off: at a singularity it is infinite
 
 
 def draw_arm(
@@ -115,8 +116,8 @@ def belted_ellipsoid(inverse: ArrayLike, rows: int = 33, columns: int = 64) -> t
     )
     u = local @ axes.T
     mobility = np.einsum("rci,ij,rcj->rc", u, Li, u)
-    floor = 1e-12 * max(float(np.trace(Li)), np.finfo(float).tiny)
-    return u, np.where(mobility > floor, 1.0 / np.maximum(mobility, floor), np.inf)
+    movable = mobility > MOBILITY_FLOOR
+    return u, np.where(movable, 1.0 / np.where(movable, mobility, 1.0), np.inf)
 
 
 def _draw_links(axis: Any, chain: Array) -> None:
@@ -136,6 +137,8 @@ def _draw_links(axis: Any, chain: Array) -> None:
 def _draw_inertia(axis: Any, here: Array, inverse: Array) -> Array:
     u, inertia = belted_ellipsoid(inverse)
     finite = inertia[np.isfinite(inertia)]
+    if not finite.size:  # an unmovable contact has no finite inertia to draw
+        return here[None]
     per_length = _round_number(0.1 * float(np.median(finite)) / TYPICAL)  # kg per 10 cm
     radius = np.minimum(0.1 * inertia / per_length, LONGEST)
     surface = here + radius[..., None] * u
@@ -179,16 +182,19 @@ def _rgb(colour: str) -> tuple[float, ...]:
 
 
 def _set_view(axis: Any, drawn: Array) -> None:
+    from matplotlib.ticker import MultipleLocator
+
     low, high = drawn.min(axis=0), drawn.max(axis=0)
     low[2] = min(low[2], 0.0)
     low, high = low - 0.05, high + 0.05
     low[2] += 0.05
     axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axis.set_box_aspect(high - low, zoom=0.92)
+    axis.set_box_aspect(high - low, zoom=0.88)
     axis.set(xlabel="x (m)", ylabel="y (m)", zlabel="z (m)")
-    axis.locator_params(nbins=5)
     axis.view_init(elev=18, azim=-60)
+    apart = _round_number(float((high - low).max()) / 4)
     for side in (axis.xaxis, axis.yaxis, axis.zaxis):
+        side.set_major_locator(MultipleLocator(apart))
         side.set_pane_color((1, 1, 1, 0))
         side._axinfo["grid"].update(color="#E5E7EB", linewidth=0.6)
     axis.computed_zorder = False

@@ -1,0 +1,148 @@
+"""Objectives, constraints and the climb: exact derivatives, exact bounds."""
+
+import numpy as np
+import pytest
+
+import hitjoints as hj
+from hitjoints.planning.geometry import Geometry
+from hitjoints.planning.objectives import Hit, HitProblem
+from hitjoints.planning.polish import climb, feasible, pull_back
+from hitjoints.planning.straight import straight_velocities
+from hitjoints.robot import Contact
+
+H = np.array([0.48, 0.6, 0.64])
+STEP = 1e-6
+# Central differences: cancellation eps / step, curvature step^2.
+CLOSE = 1e-7
+
+
+def sliding_arm(urdf):
+    """A spatial arm with a prismatic and two continuous joints, asymmetric velocity limits."""
+    turning = '<limit effort="3" velocity="2"/>'
+    axes = ("0 0 1", "0 1 0", "0 0 1", "1 0 0", "0 1 0")
+    kinds = ("continuous", "revolute", "prismatic", "continuous", "revolute")
+    parts = [urdf.base]
+    for i, (axis, kind) in enumerate(zip(axes, kinds, strict=True)):
+        more = turning if kind == "continuous" else urdf.limit
+        parts.append(urdf.link(f"l{i}", mass=1.0 + i, products=(0.001, 0, 0.002)))
+        before = "base" if i == 0 else f"l{i - 1}"
+        parts.append(
+            urdf.joint(f"j{i}", before, f"l{i}", kind, at="0.2 0.03 0.25", axis=axis, more=more)
+        )
+    return urdf.load(*parts)
+
+
+def differences(function, x):
+    columns = []
+    for j in range(x.shape[1]):
+        d = np.zeros(x.shape[1])
+        d[j] = STEP
+        columns.append((function(x + d) - function(x - d)) / (2 * STEP))
+    return np.stack(columns, axis=-1)
+
+
+@pytest.mark.parametrize("objective", ["inertia", "flux", "straight-flux", "away"])
+@pytest.mark.parametrize("name", ["iiwa14", "panda", "sliding"])
+def test_derivatives(arm, urdf, name, objective):
+    robot = sliding_arm(urdf) if name == "sliding" else arm(name)
+    rng = np.random.default_rng(3)
+    low, high = np.maximum(robot.lower, -3), np.minimum(robot.upper, 3)
+    q = rng.uniform(low, high, (12, robot.n))
+    for contact in (Contact(robot.n - 1), Contact(robot.n, (0.03, -0.02, 0.1))):
+        hit = Hit(robot, contact, H, 1.7, np.array([0.4, 0.2, 0.5]), True)
+        flux = 0.5 if objective == "inertia" else None
+        problem = HitProblem(hit, objective, flux=flux)
+        x = problem.start(q)
+        if objective == "straight-flux":
+            x[:, robot.n :] = rng.uniform(0.1, 1, q.shape) * np.sign(x[:, robot.n :])
+        now = problem.evaluate(x)
+        usable = np.isfinite(now.value)
+        assert usable.sum() > 5
+        x, now = x[usable], now.take(usable)
+        expected = differences(lambda x: problem.evaluate(x).value, x)
+        scale = 1 + np.abs(now.gradient).max(axis=1, keepdims=True)
+        np.testing.assert_allclose(now.gradient / scale, expected / scale, atol=CLOSE)
+        expected = differences(lambda x: problem.evaluate(x).residual, x)
+        scale = 1 + np.abs(now.slope).max(axis=2, keepdims=True)
+        np.testing.assert_allclose(now.slope / scale, expected / scale, atol=CLOSE)
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "sliding"])
+def test_geometry_agrees_with_pinocchio(arm, urdf, name):
+    robot = sliding_arm(urdf) if name == "sliding" else arm(name)
+    geometry, rng = Geometry(robot), np.random.default_rng(0)
+    q, qd = rng.uniform(-1, 1, (2, 6, robot.n))
+    contact = Contact(robot.n, (0.1, 0.05, -0.2))
+    poses = geometry.poses(q)
+    where, columns = geometry.point(poses, contact)
+    for i in range(len(q)):
+        np.testing.assert_allclose(where[i], hj.position(robot, q[i], contact), atol=1e-12)
+        jacobian = hj.jacobian(robot, q[i], contact)
+        np.testing.assert_allclose(columns[i].T, jacobian, atol=1e-12)
+    bent = geometry.bend(poses, columns, qd)
+    moving = differences(lambda q: np.einsum(
+        "kia,ki->ka", geometry.point(geometry.poses(q), contact)[1], qd
+    ), q)  # fmt: skip
+    np.testing.assert_allclose(bent.transpose(0, 2, 1), moving, atol=CLOSE)
+
+
+def test_screen_and_evaluate_agree(arm):
+    robot = arm("panda")
+    q = np.random.default_rng(1).uniform(robot.lower, robot.upper, (50, robot.n))
+    for objective in ("inertia", "flux", "straight-flux"):
+        hit = Hit(robot, Contact(7), H, 2.0, None, True)
+        problem = HitProblem(hit, objective)
+        value, excess = problem.screen(q)
+        now = problem.evaluate(problem.start(q))
+        np.testing.assert_allclose(now.value, value, rtol=1e-9)
+        np.testing.assert_allclose(np.maximum(now.residual[:, -1], 0), excess, atol=1e-12)
+
+
+def test_straight_velocities_are_the_linear_program(arm):
+    robot, h = arm("iiwa7"), H
+    across = np.linalg.svd(h[None])[2][1:]
+    for q in np.random.default_rng(2).uniform(robot.lower, robot.upper, (30, robot.n)):
+        jacobian = hj.jacobian(robot, q, 7)
+        qd = straight_velocities(
+            (h @ jacobian)[None],
+            (across @ jacobian)[None],
+            robot.velocity_lower,
+            robot.velocity_upper,
+        )[0]
+        assert np.abs(across @ jacobian @ qd).max() < 1e-12
+        best = hj.hitting_speed(robot, q, 7, h, straight=True)
+        assert h @ jacobian @ qd == pytest.approx(best, rel=1e-8)
+
+
+def test_pulled_back_onto_the_manifold_and_into_the_bounds(arm):
+    robot = arm("iiwa14")
+    target = np.array([0.5, 0.3, 0.5])
+    hit = Hit(robot, Contact(6), H, 2.0, target, True)
+    problem = HitProblem(hit, "inertia")
+    rng = np.random.default_rng(4)
+    q = hj.place_joint(robot, 6, np.tile(target, (60, 1))).q
+    x, now = pull_back(problem, q + 0.05 * rng.standard_normal(q.shape), steps=10)
+    assert (robot.lower <= x).all()
+    assert (x <= robot.upper).all()
+    ok = feasible(problem, now)
+    assert ok.sum() > 40
+    for good in x[ok]:
+        assert np.linalg.norm(hj.position(robot, good, 6) - target) < 1e-9
+
+
+def test_climb_ends_at_a_maximum(arm):
+    robot = arm("iiwa14")
+    target = np.array([0.5, 0.3, 0.5])
+    problem = HitProblem(Hit(robot, Contact(6), H, 2.0, target, True), "inertia")
+    placed = hj.place_joint(robot, 6, np.tile(target, (40, 1))).q
+    before = problem.screen(placed)
+    starts = placed[before[1] == 0]
+    x, now = climb(problem, starts, 60)
+    ok = feasible(problem, now)
+    assert ok.all()
+    assert (now.value >= problem.screen(starts)[0]).all()
+    # No admissible neighbour is better.
+    rng = np.random.default_rng(0)
+    for top, value in zip(x[:5], now.value[:5], strict=True):
+        near = pull_back(problem, top + 1e-3 * rng.standard_normal((200, robot.n)))
+        assert near[1].value[feasible(problem, near[1])].max() < value + 1e-7
