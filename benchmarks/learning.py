@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 import hitjoints as hj
-from benchmarks.harness import Row, compare, seconds
-from hitjoints.planning.feasibility import (
-    Feasibility,
-    learn_feasibility,
-    maximum_flux,
-    random_positions,
-)
+from benchmarks.harness import Figure, Row, compare, seconds
+from hitjoints.planning.feasibility import Feasibility, learn_feasibility
+from hitjoints.planning.greatest_flux import maximum_flux, random_positions
 from hitjoints.quantities import kernel_for
 from hitjoints.robot import Contact
 from hitjoints.vectors import unit
@@ -34,9 +29,10 @@ MOST = 0.9  # share of the hits in which it has to
 TIMED = 60
 
 
-def measure() -> list[Row]:
-    """Return how much sooner a good configuration is found; print how right the answers are."""
-    robot, rows = hj.load_robot("iiwa14"), []
+def measure() -> list[Row | Figure]:
+    """Return how right the answers are, and how much sooner a good configuration is found."""
+    robot = hj.load_robot("iiwa14")
+    rows: list[Row | Figure] = []
     for joint in JOINTS:
         contact, rng = Contact(joint), np.random.default_rng(1000 + joint)
         kernel = kernel_for(robot, (contact,), ("flux",))
@@ -49,33 +45,34 @@ def measure() -> list[Row]:
         for i in np.flatnonzero(exact):
             best = kernel(learnt[0].propose(at[i], h[i], PROPOSED), h[i], MASS)["flux"][0].max()
             exact[i] = max(exact[i], best)
-        _say(f"joint {joint}: learnt in {spent:.1f} s, {len(learnt[0].hits)} hits")
-        report_answers(learnt[0], at, h, exact, rng)
-        rows.append(compare_searches(robot, learnt[0], at[exact > 0], h[exact > 0]))
+        rows.append(Figure(f"joint {joint}: learning feasibility", spent, "s", "<= 60"))
+        rows += judge_answers(learnt[0], at, h, exact, rng)
+        rows += compare_searches(robot, learnt[0], at[exact > 0], h[exact > 0])
     return rows
 
 
-def report_answers(
+def judge_answers(
     learnt: Feasibility, at: Array, h: Array, exact: Array, rng: np.random.Generator
-) -> None:
-    """Print accuracy, Brier score and reliability of the probabilities."""
+) -> list[Figure]:
+    """Return accuracy, Brier score and calibration error of the probabilities."""
     asked = rng.uniform(0.0, 1.05 * np.quantile(exact, 0.99), (10, HITS))
     found = np.array([learnt.probability(at, h, flux) for flux in asked]).ravel()
     truth = (exact >= asked).ravel()
     base = truth.mean()
-    _say(
-        f"  can it? right {np.mean((found > 0.5) == truth):.1%} of {truth.size}, Brier score "
-        f"{np.mean((found - truth) ** 2):.4f} (always {base:.2f}: {base * (1 - base):.4f})"
-    )
-    bins, cells, error = np.minimum((10 * found).astype(int), 9), [], 0.0
+    bins, error = np.minimum((10 * found).astype(int), 9), 0.0
     for i in np.unique(bins):
         here = bins == i
-        cells.append(f"{found[here].mean():.2f}->{truth[here].mean():.2f} ({here.sum()})")
         error += abs(found[here].mean() - truth[here].mean()) * here.mean()
-    _say(f"  said->true (answers): {', '.join(cells)}; calibration error {error:.4f}")
+    name = f"joint {learnt.contact.joint}: can it produce a flux,"
+    brier, ignorant = float(np.mean((found - truth) ** 2)), float(base * (1 - base))
+    return [
+        Figure(f"{name} right answers of {truth.size}", np.mean((found > 0.5) == truth), ""),
+        Figure(f"{name} Brier score (always saying {base:.2f}: {ignorant:.3f})", brier, ""),
+        Figure(f"{name} calibration error", error, ""),
+    ]
 
 
-def compare_searches(robot: Robot, learnt: Feasibility, at: Array, h: Array) -> Row:
+def compare_searches(robot: Robot, learnt: Feasibility, at: Array, h: Array) -> list[Row | Figure]:
     """Count the configurations that each search needs, and time those two searches."""
     contact = learnt.contact
     kernel = kernel_for(robot, (contact,), ("flux",))
@@ -93,20 +90,18 @@ def compare_searches(robot: Robot, learnt: Feasibility, at: Array, h: Array) -> 
     each = range(len(at))
     proposed, drawn = [propose(i, PROPOSED) for i in each], [draw(i, RANDOM) for i in each]
     top = [max(p[-1], d[-1]) for p, d in zip(proposed, drawn, strict=True)]
-    needs = {}
+    needs: dict[str, int] = {}
+    figures: list[Row | Figure] = []
     for name, curves, longest in (("learnt", proposed, PROPOSED), ("random", drawn, RANDOM)):
         counts = [
             int(np.argmax(c >= QUALITY * t)) + 1 if c[-1] >= QUALITY * t else longest + 1
             for c, t in zip(curves, top, strict=True)
         ]
         needs[name] = min(int(np.quantile(counts, MOST, method="higher")), longest)
-        _say(
-            f"  {QUALITY:.0%} of the greatest flux, {name}: {np.median(counts):g} configurations "
-            f"in the median, {needs[name]} in {MOST:.0%} of the hits; "
-            f"{np.mean(np.array(counts) > longest):.1%} not within {longest}"
-        )
+        what = f"joint {contact.joint}: {name} configurations to {QUALITY:.0%} of the greatest flux"
+        figures.append(Figure(f"{what}, median", float(np.median(counts)), ""))
     chosen = range(min(TIMED, len(at)))
-    return compare(
+    row = compare(
         f"joint {contact.joint}: within {1 - QUALITY:.0%} of the greatest flux, {MOST:.0%} of hits",
         (
             f"{needs['learnt']} learnt proposals",
@@ -119,7 +114,4 @@ def compare_searches(robot: Robot, learnt: Feasibility, at: Array, h: Array) -> 
             len(chosen),
         ),
     )
-
-
-def _say(text: str) -> None:
-    print(text, file=sys.stderr)
+    return [*figures, row]

@@ -82,13 +82,17 @@ class HittingField:
         """(3,) unit vector of the velocity."""
         return _frozen(self.velocity / self.speed)
 
-    def __call__(self, position: ArrayLike) -> Vector:
+    def __call__(self, position: ArrayLike, speed: float | None = None) -> Vector:
         """Return the velocity (3,) m/s that the field asks for at a position (3,) m.
+
+        Args:
+            position: (3,) m.
+            speed: m/s, desired in place of |velocity|, for an arm whose inertia changes on the way.
 
         Raises:
             InputError: the position is not three finite numbers.
         """
-        return self._at(_one(position))
+        return self._at(_one(position), self.speed if speed is None else speed)
 
     def virtual(self, position: ArrayLike) -> Vector:
         """Return chi_v (3,) m, the projection of a position (3,) m on the line of the hit."""
@@ -159,22 +163,22 @@ class HittingField:
         integral = (high - low) / 2 * float(weights @ (1.0 / np.expm1(e / self.sigma)))
         return self.speed / slowest * integral
 
-    def _at(self, position: Vector) -> Vector:
+    def _at(self, position: Vector, speed: float) -> Vector:
         h = self.direction
         offset = position - self.target
         error = offset - h * (h @ offset)
-        alpha = math.exp(-float(np.linalg.norm(error)) / self.sigma)
-        f = alpha * self.velocity + (1.0 - alpha) * (self.A @ error)
+        alpha = math.exp(-math.sqrt(float(error @ error)) / self.sigma)
+        f = (alpha * speed) * h + (1.0 - alpha) * (self.A @ error)
         if self.speed_profile == "constant":
-            size = float(np.linalg.norm(f))
-            f = f * (self.speed / size) if size > 0 else self.velocity
+            size = math.sqrt(float(f @ f))
+            f = f * (speed / size) if size > 0 else speed * h
         return np.asarray(f)
 
     def _step(self, x: Vector, dt: float) -> Vector:
-        k1 = self._at(x)
-        k2 = self._at(x + dt / 2 * k1)
-        k3 = self._at(x + dt / 2 * k2)
-        k4 = self._at(x + dt * k3)
+        k1 = self._at(x, self.speed)
+        k2 = self._at(x + dt / 2 * k1, self.speed)
+        k3 = self._at(x + dt / 2 * k2, self.speed)
+        k4 = self._at(x + dt * k3, self.speed)
         return np.asarray(x + dt / 6 * (k1 + 2 * k2 + 2 * k3 + k4))
 
 

@@ -27,17 +27,18 @@ import json
 import warnings
 import zipfile
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property
 from importlib import import_module, metadata
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pinocchio as pin
 
 from hitjoints.errors import InfeasibleError, InputError, MissingExtraError
 from hitjoints.maps.describe import origin
 from hitjoints.maps.files import check_writable, write_whole
-from hitjoints.quantities import kernel_for, place_joint
+from hitjoints.planning.greatest_flux import flux_of, random_positions
+from hitjoints.planning.similar_hits import features, turned
+from hitjoints.quantities import place_joint
 from hitjoints.robot import Contact
 from hitjoints.vectors import points, unit
 
@@ -52,7 +53,6 @@ if TYPE_CHECKING:
 
 ENDINGS = (".npz",)
 LEAST_SCALE = 1e-3  # of a feature that hardly varies
-BEYOND = 1 / 3  # share of the training positions drawn from the box round the workspace
 NEIGHBOURS = 6  # similar hits whose configurations are tried to better the one of a hit
 ROUNDS = 3  # of that: what is found spreads
 QUESTIONS = 3  # fluxes asked about per hit of the sweep
@@ -110,7 +110,7 @@ class Feasibility:
             raise InputError("flux", flux, "one number, or one per position") from None
         if not np.isfinite(wanted).all():
             raise InputError("flux", flux, "it must be finite")
-        rows, _ = _features(self.robot, at.reshape(-1, 3), h.reshape(-1, 3))
+        rows, _ = features(self.robot, at.reshape(-1, 3), h.reshape(-1, 3))
         x = np.column_stack([rows, np.broadcast_to(wanted, at.shape[:-1]).ravel()])
         x = (x - self.centre) / self.scale
         for weights, offsets in zip(self.layers[:-2:2], self.layers[1:-2:2], strict=True):
@@ -141,13 +141,13 @@ class Feasibility:
             raise InputError("position", f"shape {at.shape}", "one position and one direction")
         if count < 1:
             raise InputError("count", count, "at least 1")
-        rows, azimuth = _features(self.robot, at[None], h[None])
+        rows, azimuth = features(self.robot, at[None], h[None])
         table, squares = self._table
         away = squares - 2.0 * (table @ (rows[0] / self.scale[:-1]))
         count = min(count, len(away))
         nearest = np.argpartition(away, count - 1)[:count]
         nearest = nearest[np.argsort(away[nearest], kind="stable")]
-        start = _turned(self.robot, self.q[nearest], np.repeat(azimuth, count))
+        start = turned(self.robot, self.q[nearest], np.repeat(azimuth, count))
         placed = place_joint(self.robot, self.contact, np.tile(at, (count, 1)), seed, start=start)
         return np.asarray(placed.q[placed.solved])
 
@@ -249,21 +249,21 @@ def learn_feasibility(
     h = unit(rng.normal(size=(directions, positions, 3)).reshape(-1, 3))
     flux, q = maximum_flux(robot, contact, mass, at, h, samples, seed)
     at = np.tile(at, (directions, 1))
-    hits, azimuth = _features(robot, at, h)
+    hits, azimuth = features(robot, at, h)
     reached = np.flatnonzero(flux > 0)
     if reached.size < 2:
         raise InfeasibleError(f"joint {contact.joint} of {robot.name} cannot produce any flux")
-    q[reached] = _turned(robot, q[reached], -azimuth[reached], limited=False)
+    q[reached] = turned(robot, q[reached], -azimuth[reached], limited=False)
     scale = np.maximum(hits.std(axis=0), LEAST_SCALE)
     count = min(NEIGHBOURS, reached.size - 1)
     similar = neighbours(n_neighbors=count).fit(hits[reached] / scale).kneighbors()[1]
     for column in np.tile(similar, ROUNDS).T:
-        start = _turned(robot, q[reached[column]], azimuth[reached])
+        start = turned(robot, q[reached[column]], azimuth[reached])
         better = place_joint(robot, contact, at[reached], seed, start=start)
-        gained = _flux(robot, contact, mass, better.q, h[reached])
+        gained = flux_of(robot, contact, mass, better.q, h[reached])
         won = better.solved & (gained > flux[reached])
         flux[reached[won]] = gained[won]
-        q[reached[won]] = _turned(robot, better.q[won], -azimuth[reached[won]], limited=False)
+        q[reached[won]] = turned(robot, better.q[won], -azimuth[reached[won]], limited=False)
     top = 1.05 * float(np.quantile(flux[reached], 0.99))
     asked = rng.uniform(0.0, top, QUESTIONS * len(flux))
     x = np.column_stack([np.tile(hits, (QUESTIONS, 1)), asked])
@@ -282,81 +282,3 @@ def learn_feasibility(
     return Feasibility(
         robot, contact, mass, hits[reached], q[reached], layers, centre, spread, provenance
     )
-
-
-def random_positions(robot: Robot, contact: Contact, count: int, rng: np.random.Generator) -> Array:
-    """Return positions (N, 3) m: two thirds of random configurations, the rest of the box round."""
-    low = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
-    high = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
-    q = rng.uniform(low, high, (count, robot.n))
-    kernel = kernel_for(robot, (contact,), ("position",))
-    at = np.array(kernel(q, np.array([1.0, 0.0, 0.0]))["position"][0])
-    beyond = int(BEYOND * count)
-    at[:beyond] = rng.uniform(at.min(axis=0), at.max(axis=0), (beyond, 3))
-    return at
-
-
-def maximum_flux(
-    robot: Robot,
-    contact: Contact,
-    mass: float,
-    positions: Array,
-    directions: Array,
-    samples: int,
-    seed: int,
-) -> tuple[Array, Array]:
-    """Return the greatest flux of sampled configurations, and which has it.
-
-    Args:
-        robot, contact, mass: what hits, and what is hit (kg).
-        positions: (P, 3) m.
-        directions: (D P, 3) unit vectors, the P positions' first directions first.
-        samples: configurations per position.
-        seed: of those.
-
-    Returns:
-        (D P,) m/s, 0 where the position is out of reach; (D P, n) rad.
-    """
-    placed = place_joint(robot, contact, np.repeat(positions, samples, axis=0), seed)
-    rows, each = (len(positions), samples), np.arange(len(positions))
-    flux, q = np.empty(len(directions)), np.empty((len(directions), robot.n))
-    for first in range(0, len(directions), len(positions)):
-        block = slice(first, first + len(positions))
-        along = np.repeat(directions[block], samples, axis=0)
-        values = np.where(placed.solved, _flux(robot, contact, mass, placed.q, along), 0.0)
-        best = values.reshape(rows).argmax(axis=1)
-        flux[block] = values.reshape(rows)[each, best]
-        q[block] = placed.q.reshape(*rows, -1)[each, best]
-    return flux, q
-
-
-def _flux(robot: Robot, contact: Contact, mass: float, q: Array, h: Array) -> Array:
-    return np.asarray(kernel_for(robot, (contact,), ("flux",))(q, h, mass)["flux"][0])
-
-
-@lru_cache(maxsize=16)
-def _turning(robot: Robot) -> float:
-    """Return the sense (1, -1) in which joint 1 turns about the base's vertical; 0 if not so."""
-    data = robot.model.createData()
-    column = pin.computeJointJacobians(robot.model, data, np.zeros(robot.n)).reshape(6, -1)[:, 0]
-    upright = np.abs(np.abs(column) - [0, 0, 0, 0, 0, 1]).max() < 1e-9
-    return float(np.sign(column[5])) if upright else 0.0
-
-
-def _features(robot: Robot, at: Array, h: Array) -> tuple[Array, Array]:
-    """Return what tells hits (N, 3), (N, 3) apart, (N, F), and the azimuths (N,) taken off."""
-    if not _turning(robot):
-        return np.hstack([at, h]), np.zeros(len(at))
-    azimuth = np.arctan2(at[:, 1], at[:, 0])
-    c, s = np.cos(azimuth), np.sin(azimuth)
-    radial, around = c * h[:, 0] + s * h[:, 1], c * h[:, 1] - s * h[:, 0]
-    radius = np.hypot(at[:, 0], at[:, 1])
-    return np.column_stack([radius, at[:, 2], radial, around, h[:, 2]]), azimuth
-
-
-def _turned(robot: Robot, q: Array, azimuth: Array, limited: bool = True) -> Array:
-    """Return q (N, n) turned about the base by azimuths (N,), joint 1 brought to its limits."""
-    turned, sense = q.copy(), _turning(robot)
-    if sense:
-        turned[:, 0] = (q[:, 0] + sense * azimuth + np.pi) % (2 * np.pi) - np.pi
-    return np.clip(turned, robot.lower, robot.upper) if limited else turned

@@ -27,7 +27,6 @@ ON_MANIFOLD = 1e-10
 SNAP = 1e-2
 """Within this of a bound (rad), or of an inequality's limit, a climb against it goes onto it."""
 
-BLOCKED = 0.05  # of a step: a variable that meets its bound that early is held for it
 LONGEST, SHORTEST = 0.5, 1e-8  # of a step, rad
 STATIONARY = 1e-7  # projected gradient of the log objective, per rad
 DIFFERENCE = 1e-6  # step of the Hessian's forward difference, rad
@@ -91,7 +90,8 @@ def climb(problem: Problem, x: Array, steps: int) -> tuple[Array, Values]:
     alive = np.flatnonzero(feasible(problem, now))
     for _ in range(steps):
         here, at = now.take(alive), x[alive]
-        face = _face(problem, at, here, np.minimum(SNAP, 0.1 * radius[alive]))
+        near = np.minimum(SNAP, 0.1 * radius[alive])
+        face = _face(problem, at, here, near)
         rows = here.slope * face.active[:, :, None] * face.free[:, None, :]
         basis = _tangents(rows, face.free)
         uphill = np.einsum("kmd,km->kd", basis, here.gradient)
@@ -103,11 +103,12 @@ def climb(problem: Problem, x: Array, steps: int) -> tuple[Array, Values]:
         if not moving.any():
             break
         alive, at, here, uphill = alive[moving], at[moving], here.take(moving), uphill[moving]
-        face, basis = face.take(moving), basis[moving]
+        face, basis, near = face.take(moving), basis[moving], near[moving]
         again = refused[alive]
         step, length = _step(problem, at, here, face, basis, uphill, again)
         # Newton's step may press against a bound that the gradient does not: without it, then.
-        pressed = face.free & (_room(problem, at, step) < BLOCKED)
+        gap = np.where(step > 0, problem.upper, problem.lower) - at
+        pressed = face.free & (np.abs(gap) < near[:, None]) & (step != 0)
         held = np.flatnonzero(pressed.any(axis=1))
         if held.size:
             part = face.take(held)
@@ -121,7 +122,7 @@ def climb(problem: Problem, x: Array, steps: int) -> tuple[Array, Values]:
         # A retry along the gradient takes the whole radius; Newton's step knows its own length.
         cut = radius[alive] / np.maximum(length, 1e-300)
         factor = np.where(again, cut, np.minimum(1.0, cut))
-        factor = np.minimum(factor, _room(problem, at, step).min(axis=1))
+        factor = np.minimum(factor, _room(problem, at, step))
         tried, there = pull_back(problem, face.at + step * factor[:, None], face.free, face.active)
         better = feasible(problem, there) & (there.value > here.value)
         shorter = 0.25 * np.minimum(radius[alive], np.maximum(length * factor, SNAP * 0.1))
@@ -231,10 +232,11 @@ def _face(problem: Problem, x: Array, now: Values, near: Array) -> _Face:
 
 
 def _room(problem: Problem, x: Array, step: Array) -> Array:
-    """Return the shares (N, m) of a step after which each variable meets a bound."""
+    """Return the share (N,) of a step after which its first variable meets a bound."""
     gap = np.where(step > 0, problem.upper, problem.lower) - x
     moved = np.abs(step) > 1e-14
-    return np.asarray(np.where(moved, gap / np.where(moved, step, 1.0), np.inf))
+    share = np.where(moved, gap / np.where(moved, step, 1.0), np.inf)
+    return np.asarray(share.min(axis=1))
 
 
 def _step(

@@ -8,12 +8,8 @@ import pytest
 
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InfeasibleError, InputError, MissingExtraError
-from hitjoints.planning.feasibility import (
-    learn_feasibility,
-    load_feasibility,
-    maximum_flux,
-    random_positions,
-)
+from hitjoints.planning.feasibility import learn_feasibility, load_feasibility
+from hitjoints.planning.greatest_flux import maximum_flux, random_positions
 from hitjoints.quantities import kernel_for, place_joint
 from hitjoints.robot import Contact
 from hitjoints.vectors import unit

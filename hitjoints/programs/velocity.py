@@ -1,0 +1,202 @@
+"""Joint velocities for one control step: for a desired flux (Eq. 12), and along the field (Eq. 7).
+
+Both programs are strictly convex. `build_*` returns them to look at, `solve_*` solves them from
+scratch with certificates; a controller solves the same terms with `programs.warm`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from hitjoints.errors import InputError
+from hitjoints.programs.problem import Program, Residuals
+from hitjoints.programs.proxqp import solve
+from hitjoints.vectors import points, unit
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from hitjoints.programs.problem import Matrix, Vector
+
+RHO = 1e-4
+"""Weight of the joint motion in Eq. 12, (m/s)^2 per (rad/s)^2; it makes the minimiser unique."""
+FLOOR = 0.1
+"""Least weight of a joint when the inertia's gradient weighs the joints, relative to the largest."""
+WITHIN_REACH = 1.0 - 1e-6
+"""Share of the largest reachable speed asked for when the desired one is out of reach."""
+PROGRESS = 1e3
+"""Reward for following the field, rad^2/s^2: what posture may not outweigh."""
+CUTOFF = 1e-6
+"""m/rad, singular values below which J^+ treats a motion as impossible."""
+
+
+class Terms(NamedTuple):
+    """Minimise 1/2 x^T H x + c^T x subject to A x = b, within bounds kept elsewhere."""
+
+    H: Matrix
+    c: Vector
+    A: Matrix
+    b: Vector
+
+
+@dataclass(frozen=True, eq=False)
+class JointVelocity:
+    """The answer of Eq. 12.
+
+    Attributes:
+        qd: (n,) rad/s, within the limits to the last bit.
+        flux: m/s, produced by qd: the desired one, or the greatest within reach.
+        saturated: the desired flux was out of reach.
+        residuals: how well the answer is certified.
+    """
+
+    qd: Vector
+    flux: float
+    saturated: bool
+    residuals: Residuals
+
+
+def reachable_speed(pull: Vector, lower: Vector, upper: Vector) -> float:
+    """Return max pull . qd within the bounds (Eq. 9 in closed form), m/s, for checked arguments."""
+    return float(np.maximum(pull * lower, pull * upper).sum())
+
+
+def least_norm(J: Matrix, velocity: Vector) -> Vector:
+    """Return J^+ v (n,), the smallest joint velocity whose contact velocity is nearest to v (3,)."""
+    squares, axes = np.linalg.eigh(J @ J.T)
+    inverse = np.where(squares > CUTOFF**2, 1.0 / np.maximum(squares, CUTOFF**2), 0.0)
+    return np.asarray((axes @ (inverse * (velocity @ axes))) @ J)
+
+
+def gradient_weights(gradient: Vector) -> Vector:
+    """Return W = diag(|grad lambda| / max |grad lambda|) + floor, its diagonal (n,)."""
+    size = np.abs(gradient)
+    largest = float(size.max(initial=0.0))
+    return size / largest + FLOOR if largest > 0 else np.ones_like(size)
+
+
+def flux_terms(
+    J: Matrix, f: Vector, pull: Vector, speed: float, weights: Vector, rho: float
+) -> Terms:
+    """Return |J qd - f|^2 + rho |qd - J^+ f|_W^2 under h^T J qd = speed (Eq. 12), halved."""
+    small = rho * weights
+    H = J.T @ J
+    H.flat[:: H.shape[0] + 1] += small
+    return Terms(H, -(f @ J + small * least_norm(J, f)), pull[None, :], np.array([speed]))
+
+
+def following_terms(J: Matrix, f: Vector, posture: Vector) -> Terms:
+    """Return |qd - posture|^2 / 2 - PROGRESS s + s^2 / 2 under J qd = s f; variables (qd, s).
+
+    When no bound is active, s = 1 and qd = J^+ f + N posture: Eq. 7.
+    """
+    n = posture.size
+    A = np.empty((3, n + 1))
+    A[:, :n], A[:, n] = J, -f
+    c = np.empty(n + 1)
+    c[:n], c[n] = -posture, -PROGRESS
+    return Terms(np.eye(n + 1), c, A, np.zeros(3))
+
+
+def build_joint_velocity(
+    jacobian: ArrayLike,
+    velocity: ArrayLike,
+    direction: ArrayLike,
+    inertia: float,
+    mass: float,
+    flux: float,
+    lower: ArrayLike,
+    upper: ArrayLike,
+    weights: ArrayLike | None = None,
+    rho: float = RHO,
+) -> Program:
+    """Return the program of Eq. 12: the joint velocity nearest to the field that has the flux.
+
+    A flux beyond reach is replaced by the greatest within the limits.
+
+    Args:
+        jacobian: (3, n) m/rad.
+        velocity: (3,) m/s, f of the field.
+        direction: (3,), of any length but zero.
+        inertia: kg, now; the flux is linear in qd because it is not that of the next step.
+        mass: kg, of the object. flux: m/s, > 0.
+        lower, upper: (n,) rad/s, from `programs.speed.step_bounds`.
+        weights: (n,) the diagonal of W, > 0; ones when not given. See `gradient_weights`.
+        rho: weight of the joint motion, > 0.
+
+    Raises:
+        InputError: wrong shapes, a number that is not finite or out of its range.
+    """
+    return _flux_program(
+        jacobian, velocity, direction, inertia, mass, flux, lower, upper, weights, rho
+    )[0]
+
+
+def solve_joint_velocity(
+    jacobian: ArrayLike,
+    velocity: ArrayLike,
+    direction: ArrayLike,
+    inertia: float,
+    mass: float,
+    flux: float,
+    lower: ArrayLike,
+    upper: ArrayLike,
+    weights: ArrayLike | None = None,
+    rho: float = RHO,
+) -> JointVelocity:
+    """Solve Eq. 12; arguments as `build_joint_velocity`.
+
+    Raises:
+        InputError: wrong shapes, a number that is not finite or out of its range.
+        InfeasibleError: no velocity within the limits meets the flux row.
+        SolverError: the answer could not be certified.
+    """
+    program, saturated = _flux_program(
+        jacobian, velocity, direction, inertia, mass, flux, lower, upper, weights, rho
+    )
+    found = solve(program)
+    reached = inertia / (inertia + mass) * float(program.A[0] @ found.x)
+    return JointVelocity(found.x, reached, saturated, found.residuals)
+
+
+def _flux_program(
+    jacobian: ArrayLike,
+    velocity: ArrayLike,
+    direction: ArrayLike,
+    inertia: float,
+    mass: float,
+    flux: float,
+    lower: ArrayLike,
+    upper: ArrayLike,
+    weights: ArrayLike | None,
+    rho: float,
+) -> tuple[Program, bool]:
+    J = np.asarray(jacobian, dtype=float)
+    if J.ndim != 2 or J.shape[0] != 3 or not np.isfinite(J).all():
+        raise InputError("jacobian", f"shape {J.shape}", "three rows of finite numbers")
+    n = J.shape[1]
+    f, h = points(velocity, "velocity"), unit(direction)
+    low, high = np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
+    W = np.ones(n) if weights is None else np.asarray(weights, dtype=float)
+    for name, array, shape in (
+        ("velocity", f, (3,)),
+        ("direction", h, (3,)),
+        ("lower", low, (n,)),
+        ("upper", high, (n,)),
+        ("weights", W, (n,)),
+    ):
+        if array.shape != shape:
+            raise InputError(name, f"shape {array.shape}", f"shape {shape} is needed")
+    positive = {"inertia": inertia, "mass": mass, "flux": flux, "rho": rho, "weights": W.min()}
+    for name, value in positive.items():
+        if not (math.isfinite(value) and value > 0):
+            raise InputError(name, value, "a finite number above zero")
+    pull = h @ J
+    wanted, reach = (1.0 + mass / inertia) * flux, reachable_speed(pull, low, high)
+    saturated = wanted > reach
+    terms = flux_terms(J, f, pull, WITHIN_REACH * reach if saturated else wanted, W, rho)
+    return Program(terms.c, low, high, H=terms.H, A=terms.A, b=terms.b), saturated
