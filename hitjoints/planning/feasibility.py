@@ -36,7 +36,7 @@ import numpy as np
 from hitjoints.errors import InfeasibleError, InputError, MissingExtraError
 from hitjoints.maps.describe import origin
 from hitjoints.maps.files import check_writable, write_whole
-from hitjoints.planning.greatest_flux import flux_of, random_positions
+from hitjoints.planning.greatest_flux import flux_of, maximum_flux, random_positions
 from hitjoints.planning.similar_hits import features, turned
 from hitjoints.quantities import place_joint
 from hitjoints.robot import Contact
