@@ -3,10 +3,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import hitjoints as hj
 from hitjoints.dynamics.kinematics import jacobian, position
-from hitjoints.errors import InputError
+from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.hitting.field import HittingField
-from hitjoints.planning.start import OFF_THE_LINE, SETTLED, approach_path, plan_start
+from hitjoints.planning.start import (
+    OFF_THE_LINE,
+    SETTLED,
+    approach_path,
+    fastest_start,
+    plan_start,
+)
 from hitjoints.robot import Contact
 
 Y = np.array([0.0, 1.0, 0.0])
@@ -126,3 +133,19 @@ def test_bad_arguments_are_named(arm, argument, change):
     with pytest.raises(InputError) as caught:
         plan_start(robot, **given)
     assert caught.value.argument == argument
+
+
+def test_fastest_start_cannot_be_made_much_faster(arm):
+    robot = arm("iiwa14")
+    start = fastest_start(robot, robot.home, 6, [0, 1, 0])
+    assert start.feasible
+    assert start.velocity_ratio_max <= 1
+    top = hj.hitting_speed(robot, robot.home, 6, [0, 1, 0], straight=True)
+    assert 0 < start.speed < top
+    faster = plan_start(robot, robot.home, 6, [0, 1, 0], start.speed + 0.2 * top)
+    assert not faster.feasible
+
+
+def test_no_start_where_the_joint_cannot_move(arm):
+    with pytest.raises(InfeasibleError, match="joint 2"):
+        fastest_start(arm("iiwa14"), arm("iiwa14").home, 2, [0, 1, 0])
