@@ -23,12 +23,14 @@ from .options import (
     SeedOption,
     check_mass,
     numbers,
+    triple,
 )
 from .render import complain, print_json, print_table
 
 if TYPE_CHECKING:
     from hitjoints.planning.candidates import Candidate
     from hitjoints.planning.plan import Plan
+    from hitjoints.planning.start import Start
 
 
 def plan(
@@ -43,11 +45,21 @@ def plan(
     ] = "inertia",
     flux: Annotated[
         float | None,
-        typer.Option("--flux", metavar="M/S", help="Flux to be reached, for rebound."),
+        typer.Option("--flux", metavar="M/S", help="Flux that must be reached; rebound needs it."),
     ] = None,
     away: Annotated[
         bool, typer.Option("--away/--no-away", help="Demand the away condition of Eq. 14.")
     ] = True,
+    object_size: Annotated[
+        str | None, typer.Option(metavar="X,Y,Z", help="Edges of the object, a box (m).")
+    ] = None,
+    table_height: Annotated[
+        float | None, typer.Option(metavar="M", help="Height of the table's plane (m).")
+    ] = None,
+    margin: Annotated[
+        float | None,
+        typer.Option(metavar="M", help="Distance to keep from object, table and itself (m)."),
+    ] = None,
     certificate: Annotated[
         bool,
         typer.Option(
@@ -65,6 +77,7 @@ def plan(
     from hitjoints.loading import load_robot
     from hitjoints.maps.files import check_writable, write_whole
     from hitjoints.planning.plan import plan as make_plan
+    from hitjoints.planning.surroundings import Surroundings
 
     check_mass(mass)
     if out is not None:
@@ -85,6 +98,12 @@ def plan(
         away=away,
         seed=seed,
         certificate=certificate,
+        surroundings=Surroundings(
+            None if object_size is None else triple(object_size, "object_size"),
+            table_height,
+            margin,
+        ),
+        start=True,
     )
     result = planned.as_dict() | {"robot": robot}
     if out is not None:
@@ -122,6 +141,27 @@ def _print(title: str, planned: Plan) -> None:
     print(planned.summary)
     if planned.best is not None:
         print("q = " + ",".join(f"{v:.6g}" for v in planned.best.as_dict()["q"]))
+        _print_room(planned.best)
+    if planned.start is not None:
+        _print_start(planned.start)
+
+
+def _print_room(best: Candidate) -> None:
+    assert best.clearance is not None
+    near = [
+        f"{best.clearance[name]:.3f} m from {name} ({' - '.join(pair)})"
+        for name, pair in best.clearance["closest"].items()
+    ]
+    print(f"clearance, {best.clearance['approach']:.2g} m of approach included: {'; '.join(near)}")
+
+
+def _print_start(start: Start) -> None:
+    at = ", ".join(f"{v:.3f}" for v in start.position)
+    verdict = "" if start.feasible else f"; not feasible: {start.reason}"
+    print(
+        f"start: {start.run_up:.3f} m behind at ({at}) m for {start.speed:.3g} m/s{verdict}\n"
+        "q0 = " + ",".join(f"{v:.6g}" for v in start.q)
+    )
 
 
 def _row(one: Candidate, best: bool) -> list[object]:

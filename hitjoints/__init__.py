@@ -27,6 +27,12 @@ if TYPE_CHECKING:
     from hitjoints.loading import ModelWarning, load_robot, robot_names
     from hitjoints.maps.joint_sweep import sweep_joint
     from hitjoints.maps.workspace import open_map, sweep_workspace
+    from hitjoints.planning.clearance import clearance
+    from hitjoints.planning.feasibility import learn_feasibility, load_feasibility
+    from hitjoints.planning.plan import plan
+    from hitjoints.planning.posture import posture
+    from hitjoints.planning.start import plan_start
+    from hitjoints.planning.surroundings import Surroundings
     from hitjoints.quantities import (
         directional_inertia,
         directional_inertia_gradient,
@@ -50,6 +56,12 @@ _HOMES = {
     "loading": ("ModelWarning", "load_robot", "robot_names"),
     "maps.joint_sweep": ("sweep_joint",),
     "maps.workspace": ("open_map", "sweep_workspace"),
+    "planning.clearance": ("clearance",),
+    "planning.feasibility": ("learn_feasibility", "load_feasibility"),
+    "planning.plan": ("plan",),
+    "planning.posture": ("posture",),
+    "planning.start": ("plan_start",),
+    "planning.surroundings": ("Surroundings",),
     "quantities": (
         "directional_inertia",
         "directional_inertia_gradient",
@@ -70,7 +82,9 @@ __all__ = [
     "ModelWarning",
     "Robot",
     "SolverError",
+    "Surroundings",
     "__version__",
+    "clearance",
     "directional_inertia",
     "directional_inertia_gradient",
     "feasible_directions",
@@ -78,12 +92,17 @@ __all__ = [
     "hitting_speed",
     "inverse_inertia",
     "jacobian",
+    "learn_feasibility",
+    "load_feasibility",
     "load_robot",
     "manipulability",
     "object_speed",
     "open_map",
     "place_joint",
+    "plan",
+    "plan_start",
     "position",
+    "posture",
     "rebound",
     "required_speed",
     "robot_names",

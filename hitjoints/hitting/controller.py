@@ -121,7 +121,7 @@ class Controller:
             raise InputError("robot", robot.name, "its velocity limits must allow standing still")
         self.robot, self.hit, self.dt = robot, hit, float(dt)
         self.contact = robot.contact(hit.contact)
-        self.position, self.direction = np.asarray(hit.position), np.asarray(hit.direction)
+        self.position, self.direction = hit.position, hit.direction
         self.gains = Gains() if gains is None else gains
         if posture is None:
             posture = most_manipulable(robot, self.contact, self.position, q)
@@ -134,6 +134,7 @@ class Controller:
             seen = observe(robot, self.posture, self.contact, self.direction).inertia
             self._constant = seen if inertia is None else float(inertia)
         self._lower, self._upper = robot.velocity_lower, robot.velocity_upper
+        self._low, self._high, self._shape = robot.lower, robot.upper, (robot.n,)
         self._previous = np.zeros(robot.n)
         self.last: Step | None = None
 
@@ -154,17 +155,18 @@ class Controller:
             InfeasibleError: the contact cannot move along the direction there.
         """
         q = self.robot.within_limits(q)
-        speed = self.hit.speed(observe(self.robot, q, self.contact, self.direction).inertia)
+        state = observe(self.robot, q, self.contact, self.direction)
+        reach = reachable_speed(self.direction @ state.J, self._lower, self._upper)
+        speed = min(self.hit.speed(state.inertia), reach)
         if speed * self.dt > SIGMA:
             expected = f"at a hitting speed of {speed:.3g} m/s at most {SIGMA / speed:.2g} s"
             raise InputError("dt", self.dt, expected)
 
     def bounds(self, q: Array) -> tuple[Array, Array]:
         """Return the joint velocities (n,), (n,) rad/s that keep all limits for one step."""
-        robot, dt = self.robot, self.dt
         return (
-            np.maximum(self._lower, (robot.lower - q) / dt),
-            np.minimum(self._upper, (robot.upper - q) / dt),
+            np.maximum(self._lower, (self._low - q) / self.dt),
+            np.minimum(self._upper, (self._high - q) / self.dt),
         )
 
     def step(self, q: ArrayLike) -> Array:
@@ -180,7 +182,9 @@ class Controller:
             InputError: q is outside the position limits, or not finite.
             InfeasibleError: the contact cannot move along the direction in this configuration.
         """
-        q = self.robot.within_limits(q)
+        q = np.asarray(q, dtype=float)
+        if q.shape != self._shape or not ((q >= self._low) & (q <= self._high)).all():
+            self.robot.within_limits(q)  # says what is wrong
         state = observe(self.robot, q, self.contact, self.direction)
         lower, upper = self.bounds(q)
         pull = self.direction @ state.J

@@ -15,7 +15,7 @@ from hitjoints.errors import InputError
 from hitjoints.vectors import points, unit
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import NDArray
 
     from hitjoints.robot import Contact, Robot
 
@@ -38,8 +38,8 @@ class Hit:
     """
 
     contact: Contact | int
-    position: ArrayLike
-    direction: ArrayLike
+    position: Array
+    direction: Array
     mass: float
     flux: float
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol
 import numpy as np
 
 from hitjoints.errors import UnknownNameError
-from hitjoints.programs.velocity import following_terms, least_norm
-from hitjoints.programs.warm import WarmProgram
+from hitjoints.programs.velocity import PROGRESS, following_terms, least_norm
+from hitjoints.programs.warm import ROWS, WarmProgram
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -54,8 +54,8 @@ def law_named(name: LawName, n: int) -> Law:
 class QpLaw:
     """One strictly convex QP: the field first, slowed down if it must be, then the posture.
 
-    Without active bounds it is Eq. 7. With them the other joints take over, and only when they
-    cannot does the contact slow down, in the direction of the field.
+    Without active bounds its answer is Eq. 7, which is tried first. With them the other joints
+    take over, and only when they cannot does the contact slow down, in the field's direction.
     """
 
     def __init__(self, n: int) -> None:
@@ -66,6 +66,14 @@ class QpLaw:
         self, J: Array, f: Array, posture: Array, lower: Array, upper: Array
     ) -> Motion | None:
         """Return the motion; see `Law`."""
+        qd, pushed = _unbounded(J, f, posture)
+        if (
+            (qd >= lower).all()
+            and (qd <= upper).all()
+            and float(qd @ pushed) <= PROGRESS - 1.0  # the multiplier of s <= 1 is not negative
+            and np.abs(J @ qd - f).max() <= ROWS
+        ):
+            return Motion(qd, 1.0)
         self._lower[:-1], self._upper[:-1] = lower, upper
         x = self._program.solve(*following_terms(J, f, posture), self._lower, self._upper)
         return None if x is None else Motion(x[:-1], float(x[-1]))
@@ -73,8 +81,14 @@ class QpLaw:
 
 def paper_law(J: Array, f: Array, posture: Array, lower: Array, upper: Array) -> Motion:
     """Return Eq. 7 as printed, all joints scaled by one factor into the bounds; see `Law`."""
-    qd = posture + least_norm(J, f - J @ posture)
+    qd = _unbounded(J, f, posture)[0]
     limit = np.where(qd > 0, upper, lower)
     moving = qd != 0
     scaling = float(np.min(limit[moving] / qd[moving], initial=1.0))
     return Motion(np.minimum(np.maximum(scaling * qd, lower), upper), scaling)
+
+
+def _unbounded(J: Array, f: Array, posture: Array) -> tuple[Array, Array]:
+    """Return Eq. 7, posture + J^+ (f - J posture), and its second term."""
+    pushed = least_norm(J, f - J @ posture)
+    return posture + pushed, pushed

@@ -65,4 +65,4 @@ def _best(robot: Robot, contact: Contact, position: tuple[float, ...]) -> Array:
     measures = np.array([manipulability(robot, q, contact) for q in found])
     best = found[measures >= NEARLY * measures.max()]
     best.setflags(write=False)
-    return best
+    return np.asarray(best)

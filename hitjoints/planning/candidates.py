@@ -37,6 +37,7 @@ class Candidate:
         inertia: kg. speed, straight_speed, flux, straight_flux: m/s (Eq. 9, 10).
         away: h . (chi_{k+1} - chi_k) < 0 (Eq. 14).
         away_gap: m, that number.
+        clearance: least distances (m) at q and on the straight approach, see `Clearance`.
         evidence: samples, admissible, local_optima, restarts, spread, certificate; for an
             infeasible joint `nearest`, the nearest feasible value and where it is attained.
     """
@@ -53,6 +54,7 @@ class Candidate:
     straight_flux: float | None = None
     away: bool | None = None
     away_gap: float | None = None
+    clearance: dict[str, Any] | None = None
     evidence: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def as_dict(self) -> dict[str, Any]:

@@ -48,6 +48,13 @@ class Clearance:
     closest: dict[str, tuple[str, str]]
     approach: float = 0.0
 
+    def as_dict(self) -> dict[str, Any]:
+        """Return the distances by name (None where nothing is near) and what is closest."""
+        names = ("object", "table", "itself", "least", "approach")
+        values = {name: float(getattr(self, name)) for name in names}
+        shown = {name: value if np.isfinite(value) else None for name, value in values.items()}
+        return shown | {"closest": {name: list(pair) for name, pair in self.closest.items()}}
+
     @property
     def least(self) -> float:
         """The least of the three distances, m."""

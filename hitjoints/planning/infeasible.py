@@ -110,7 +110,8 @@ def pointed_at(hit: Hit, found: Found) -> Candidate:
     else:
         why = (
             f"{following} lies at least {gap:.4g} m ahead of joint {joint} along the direction "
-            f"whatever the arm does, over {found.samples} configurations and {found.restarts.size} independent searches"
+            f"whatever the arm does, over {found.samples} configurations and "
+            f"{found.restarts.size} independent searches"
         )
     return _refused(hit, f"away condition impossible: {why}", certified, q, away_gap=gap)
 

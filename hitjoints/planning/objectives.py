@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.kernels.speeds import lateral
-from hitjoints.planning.geometry import Geometry, Poses
+from hitjoints.planning.geometry import Axes, bend
 from hitjoints.planning.polish import Values
 from hitjoints.planning.straight import straight_velocities
 from hitjoints.quantities import kernel_for
@@ -31,7 +31,7 @@ AWAY_MARGIN = 1e-6
 FLUX_MARGIN = 1e-9
 """A required flux is exceeded by this share, so that rounding cannot leave it short."""
 
-KERNEL = ("mobility", "mobility_gradient", "speed")
+KERNEL = ("mobility", "mobility_gradient", "speed", "position", "jacobian")
 """Outputs of the one kernel a hit needs, but for straight-flux, which screens with a second."""
 
 LEAST_MOBILITY = 1e-12
@@ -94,7 +94,6 @@ class HitProblem:
         self.hit, self.objective, self.flux = hit, objective, flux
         robot = hit.robot
         self.n, self.straight = robot.n, objective == "straight-flux"
-        self.geometry = Geometry(robot)
         self.lower = robot.lower if lower is None else lower
         self.upper = robot.upper if upper is None else upper
         self.slowest, self.fastest = robot.velocity_lower, robot.velocity_upper
@@ -103,16 +102,18 @@ class HitProblem:
             self.upper = np.concatenate((self.upper, self.fastest))
         self.equalities = (0 if hit.position is None else 3) + (2 if self.straight else 0)
         self.kernel = kernel_for(robot, (hit.contact,), KERNEL)
+        # The points of the away condition, of which the contact itself is known already.
+        origin = type(hit.contact)(hit.contact.joint)
+        self.ends = (hit.beyond,) if hit.contact == origin else (origin, hit.beyond)
+        self.axes = Axes(robot)
         self.across = np.array(lateral(tuple(hit.direction)), dtype=float)
         self.across /= np.linalg.norm(self.across, axis=1, keepdims=True)
-        self.origin = type(hit.contact)(hit.contact.joint)
 
     def start(self, q: Array) -> Array:
         """Return points x for configurations q (N, n)."""
         if not self.straight:
             return q
-        poses = self.geometry.poses(q)
-        columns = self.geometry.point(poses, self.hit.contact)[1]
+        columns = self.kernel(q, self.hit.direction)["jacobian"][0].transpose(0, 2, 1)
         qd = straight_velocities(
             columns @ self.hit.direction,
             self.across @ columns.transpose(0, 2, 1),
@@ -127,18 +128,15 @@ class HitProblem:
         An excess is 0 where the inequalities are met.
         """
         hit, excess = self.hit, np.zeros(len(q))
-        poses = self.geometry.poses(q) if hit.away or self.objective == "away" else None
         found = self.kernel(q, hit.direction)
         mobility = np.where(found["mobility"][0] < LEAST_MOBILITY, np.nan, found["mobility"][0])
         with np.errstate(divide="ignore"):
             flux = np.log(found["speed"][0]) - np.log1p(hit.mass * mobility)
         value = flux if self.objective == "flux" else -np.log(mobility)
-        if poses is not None:
-            gap = self._gap(poses)[0]
-            if self.objective == "away":
-                value = -gap
-            else:
-                excess = np.maximum(gap + AWAY_MARGIN, 0.0)
+        if self.objective == "away":
+            value = -self._gap(q, found)[0]
+        elif hit.away:
+            excess = np.maximum(self._gap(q, found)[0] + AWAY_MARGIN, 0.0)
         if self.flux is not None:
             excess = excess + np.maximum(np.log(self.flux) + FLUX_MARGIN - flux, 0.0)
         if self.straight:
@@ -150,83 +148,80 @@ class HitProblem:
     def evaluate(self, x: Array) -> Values:
         """Evaluate at x (N, m), see `Problem`."""
         q = np.ascontiguousarray(x[:, : self.n])
-        poses = self.geometry.poses(q)
-        position, columns = self.geometry.point(poses, self.hit.contact)
-        pull = columns @ self.hit.direction
+        hit, width = self.hit, x.shape[1]
+        found = self.kernel(q, hit.direction, threads=1)
+        columns = np.ascontiguousarray(found["jacobian"][0].transpose(0, 2, 1))
+        pull = columns @ hit.direction
         residual: list[Array] = []
         slope: list[Array] = []
-        if self.hit.position is not None:
-            residual += list((position - self.hit.position).T)
-            slope += list(columns.transpose(2, 0, 1))
+        if hit.position is not None:
+            residual += list((found["position"][0] - hit.position).T)
+            slope += list(found["jacobian"][0].transpose(1, 0, 2))
         if self.straight:
             qd = x[:, self.n :]
-            bent = self.geometry.bend(poses, columns, qd)
+            bent = bend(self.axes.spins(q), columns, qd)
             for sideways in self.across:
                 row = columns @ sideways
                 residual.append((row * qd).sum(axis=1))
                 slope.append(np.concatenate((bent @ sideways, row), axis=1))
-        needs_away = self.hit.away or self.objective == "away"
-        gap, gap_by = self._gap(poses) if needs_away else (pull[:, 0], pull)
-        if self.objective == "away":
+            value, gradient = self._flux_at(found, pull, bent @ hit.direction, qd)
+        elif self.objective == "flux":
+            value, gradient = self._flux(q, found, columns, pull)
+        elif self.objective == "away":
+            gap, gap_by = self._gap(q, found)
             value, gradient = -gap, -gap_by
         else:
-            value, gradient = self._objective(x, q, poses, columns, pull)
-            if self.hit.away:
-                residual.append(gap + AWAY_MARGIN)
-                slope.append(gap_by)
-            if self.flux is not None:
-                flux, flux_by = self._flux(q, poses, columns, pull)
-                residual.append(np.log(self.flux) + FLUX_MARGIN - flux)
-                slope.append(-flux_by)
-        width = x.shape[1]
-        if not residual:
-            return Values(value, gradient, np.zeros((len(x), 0)), np.zeros((len(x), 0, width)))
+            mobility, by = _mobility(found)
+            value, gradient = -np.log(mobility), -by / mobility[:, None]
+        if hit.away and self.objective != "away":
+            gap, gap_by = self._gap(q, found)
+            residual.append(gap + AWAY_MARGIN)
+            slope.append(gap_by)
+        if self.flux is not None:
+            flux, flux_by = self._flux(q, found, columns, pull)
+            residual.append(np.log(self.flux) + FLUX_MARGIN - flux)
+            slope.append(-flux_by)
         filled = np.zeros((len(x), len(slope), width))
         for i, part in enumerate(slope):
             filled[:, i, : part.shape[1]] = part
-        return Values(value, gradient, np.stack(residual, axis=1), filled)
+        residuals = np.stack(residual, axis=1) if residual else np.zeros((len(x), 0))
+        return Values(value, gradient, residuals, filled)
 
-    def _gap(self, poses: Poses) -> tuple[Array, Array]:
-        return self.geometry.gap(poses, self.origin, self.hit.beyond, self.hit.direction)
+    def _gap(self, q: Array, found: dict[str, Array]) -> tuple[Array, Array]:
+        """Return h . (chi_{k+1} - chi_k) (N,) m and its gradient (N, n)."""
+        h = self.hit.direction
+        kernel = kernel_for(self.hit.robot, self.ends, ("position", "jacobian"))
+        ends = kernel(q, h, threads=1)
+        near = found if len(self.ends) == 1 else ends
+        gap = (ends["position"][-1] - near["position"][0]) @ h
+        return gap, np.einsum("a,kan->kn", h, ends["jacobian"][-1] - near["jacobian"][0])
 
-    def _mobility(self, q: Array) -> tuple[Array, Array]:
-        found = self.kernel(q, self.hit.direction, threads=1)
-        mobility, gradient = found["mobility"][0], found["mobility_gradient"][0]
-        immobile = mobility < LEAST_MOBILITY
-        if immobile.any():
-            mobility = np.where(immobile, np.nan, mobility)
-        return mobility, np.ascontiguousarray(gradient)
-
-    def _objective(
-        self, x: Array, q: Array, poses: Poses, columns: Array, pull: Array
+    def _flux_at(
+        self, found: dict[str, Array], pull: Array, bent: Array, qd: Array
     ) -> tuple[Array, Array]:
-        if self.objective == "flux":
-            return self._flux(q, poses, columns, pull)
-        mobility, by = self._mobility(q)
-        if not self.straight:
-            return -np.log(mobility), -by / mobility[:, None]
-        qd = x[:, self.n :]
+        """Return the log of the flux at velocity qd, and its gradient by q and qd."""
+        mobility, by = _mobility(found)
         speed = (pull * qd).sum(axis=1)
-        bent = self.geometry.bend(poses, columns, qd) @ self.hit.direction
-        loss = 1.0 + self.hit.mass * mobility
-        gradient = np.empty_like(x)
         speed = np.where(speed > 0, speed, np.nan)
-        gradient[:, self.n :] = pull / speed[:, None]
-        gradient[:, : self.n] = bent / speed[:, None]
-        gradient[:, : self.n] -= (self.hit.mass / loss)[:, None] * by
-        return np.log(speed) - np.log(loss), gradient
+        loss = 1.0 + self.hit.mass * mobility
+        by_q = bent / speed[:, None] - (self.hit.mass / loss)[:, None] * by
+        return np.log(speed) - np.log(loss), np.concatenate((by_q, pull / speed[:, None]), axis=1)
 
-    def _flux(self, q: Array, poses: Poses, columns: Array, pull: Array) -> tuple[Array, Array]:
+    def _flux(
+        self, q: Array, found: dict[str, Array], columns: Array, pull: Array
+    ) -> tuple[Array, Array]:
         """Return the log of the maximum flux and its gradient.
 
         The speed sum_i |g_i| qd_i has kinks where a g_i vanishes, but they point down: a climb
         leaves them.
         """
-        mobility, by = self._mobility(q)
         qd = np.where(pull > 0, self.fastest, self.slowest)
-        speed = (pull * qd).sum(axis=1)
-        speed = np.where(speed > 0, speed, np.nan)
-        bent = self.geometry.bend(poses, columns, qd) @ self.hit.direction
-        loss = 1.0 + self.hit.mass * mobility
-        value = np.log(speed) - np.log(loss)
-        return value, bent / speed[:, None] - (self.hit.mass / loss)[:, None] * by
+        bent = bend(self.axes.spins(q), columns, qd) @ self.hit.direction
+        value, gradient = self._flux_at(found, pull, bent, qd)
+        return value, gradient[:, : self.n]
+
+
+def _mobility(found: dict[str, Array]) -> tuple[Array, Array]:
+    """Return the mobility (N,), nan where it is too small to hit with, and its gradient (N, n)."""
+    mobility = found["mobility"][0]
+    return np.where(mobility < LEAST_MOBILITY, np.nan, mobility), found["mobility_gradient"][0]

@@ -9,12 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hitjoints.dynamics.impact import required_speed
 from hitjoints.errors import InputError, UnknownNameError
 from hitjoints.planning import infeasible
 from hitjoints.planning.candidates import Candidate, evidence_of, measure, plain
 from hitjoints.planning.certificate import certify
 from hitjoints.planning.objectives import OBJECTIVES, Hit, HitProblem
-from hitjoints.planning.search import Found, Sampler, search
+from hitjoints.planning.sampler import Sampler
+from hitjoints.planning.search import Found, search
+from hitjoints.planning.start import Start, fastest_start, plan_start
+from hitjoints.planning.surroundings import Surroundings
 from hitjoints.quantities import place_joint
 from hitjoints.vectors import points, unit
 
@@ -44,9 +48,10 @@ class Plan:
     Attributes:
         robot: name.
         position: (3,) m. direction: (3,) unit. mass: kg.
-        objective: what is best. flux: m/s demanded, for "rebound".
+        objective: what is best. flux: m/s demanded, if any.
         best: None if no joint can do it.
         candidates: in the order of the joints asked for.
+        start: of the best hit, if it was asked for.
     """
 
     robot: str
@@ -57,6 +62,7 @@ class Plan:
     flux: float | None
     best: Candidate | None
     candidates: tuple[Candidate, ...]
+    start: Start | None = None
 
     @property
     def summary(self) -> str:
@@ -82,6 +88,7 @@ class Plan:
             "summary": self.summary,
             "best": None if self.best is None else self.best.as_dict(),
             "candidates": [one.as_dict() for one in self.candidates],
+            "start": None if self.start is None else self.start.as_dict(),
         }
 
 
@@ -97,6 +104,8 @@ def plan(
     seed: int = 0,
     certificate: bool = True,
     accept: Callable[[Array], bool] | None = None,
+    surroundings: Surroundings | None = None,
+    start: bool = False,
 ) -> Plan:
     """Choose the joint and the configuration for a hit.
 
@@ -109,11 +118,14 @@ def plan(
         objective: "inertia" (Eq. 14), "flux" (Eq. 10 with the speed of Eq. 9), "straight-flux"
             (the same for motion exactly along the direction), or "rebound" (the least Eq. 11
             among the configurations that can reach `flux`: the greatest inertia among them).
-        flux: m/s demanded, for "rebound".
+        flux: m/s that the hit must be able to reach (Eq. 10); "rebound" needs one.
         away: demand h . (chi_{k+1} - chi_k) < 0 (Eq. 14), by a margin of 1e-6 m.
         seed: of the samples; the optimum does not depend on it.
         certificate: bound every candidate's inertia over the joints beyond the contact.
         accept: asked of configurations (n,), best first; the first it returns True for is taken.
+        surroundings: object, table and margin. The clearance of every candidate is reported, and
+            with a margin configurations that do not keep it are passed over.
+        start: plan the start of the best hit too: for `flux`, or the fastest there is.
 
     Returns:
         A candidate per joint, feasible or with the reason why not, and the best.
@@ -124,9 +136,8 @@ def plan(
     """
     if objective not in OBJECTIVES:
         raise UnknownNameError("objective", objective, OBJECTIVES)
-    if (objective == "rebound") != (flux is not None):
-        expected = "the flux to be reached (m/s) is needed" if flux is None else "for rebound only"
-        raise InputError("flux", flux, f"{expected} (objective {objective})")
+    if objective == "rebound" and flux is None:
+        raise InputError("flux", flux, "rebound needs the flux to be reached (m/s)")
     if flux is not None and not (math.isfinite(flux) and flux > 0):
         raise InputError("flux", flux, "a flux to be reached is above 0 m/s")
     if not (math.isfinite(mass) and mass > 0):
@@ -141,9 +152,44 @@ def plan(
         if vector.shape != (3,):
             raise InputError(name, f"shape {vector.shape}", "three numbers x,y,z")
     hits = [Hit(robot, contact, h, float(mass), target, away) for contact in contacts]
-    found = [_plan_joint(hit, objective, flux, seed, certificate, accept) for hit in hits]
+    found = []
+    for hit in hits:
+        demands = _demands(hit, accept, surroundings)
+        one = _plan_joint(hit, objective, flux, seed, certificate, demands)
+        if one.q is not None and surroundings is not None:
+            room = surroundings.clearance(robot, one.q, hit.contact, h)
+            one = replace(one, clearance=room.as_dict())
+        found.append(one)
     best, candidates = _compare(found, RANKED_BY[objective])
-    return Plan(robot.name, target, h, float(mass), objective, flux, best, candidates)
+    begin = None
+    if start and best is not None:
+        chosen = next(hit for hit in hits if hit.contact.joint == best.joint)
+        begin = _start(chosen, best, flux)
+    return Plan(robot.name, target, h, float(mass), objective, flux, best, candidates, begin)
+
+
+def _demands(
+    hit: Hit, accept: Callable[[Array], bool] | None, surroundings: Surroundings | None
+) -> Callable[[Array], bool] | None:
+    """Return what a configuration must satisfy beyond the planning problem, if anything."""
+    if surroundings is None or surroundings.margin is None:
+        return accept
+
+    def both(q: Array) -> bool:
+        room = surroundings.leave_room(hit.robot, q, hit.contact, hit.direction)
+        return room and (accept is None or accept(q))
+
+    return both
+
+
+def _start(hit: Hit, best: Candidate, flux: float | None) -> Start:
+    """Return the start of the best hit."""
+    assert best.q is not None
+    assert best.inertia is not None
+    if flux is None:
+        return fastest_start(hit.robot, best.q, hit.contact, hit.direction)
+    speed = required_speed(best.inertia, hit.mass, flux)
+    return plan_start(hit.robot, best.q, hit.contact, hit.direction, speed)
 
 
 def _plan_joint(

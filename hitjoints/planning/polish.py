@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from hitjoints.planning.face import Face, find_face, shortest, tangents
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -91,9 +93,9 @@ def climb(problem: Problem, x: Array, steps: int) -> tuple[Array, Values]:
     for _ in range(steps):
         here, at = now.take(alive), x[alive]
         near = np.minimum(SNAP, 0.1 * radius[alive])
-        face = _face(problem, at, here, near)
+        face = find_face(problem, at, here, near)
         rows = here.slope * face.active[:, :, None] * face.free[:, None, :]
-        basis = _tangents(rows, face.free)
+        basis = tangents(rows, face.free)
         uphill = np.einsum("kmd,km->kd", basis, here.gradient)
         moving = np.linalg.norm(uphill, axis=1) > STATIONARY
         # Bounds and limits pressed against, but not quite met yet.
@@ -112,9 +114,9 @@ def climb(problem: Problem, x: Array, steps: int) -> tuple[Array, Values]:
         held = np.flatnonzero(pressed.any(axis=1))
         if held.size:
             part = face.take(held)
-            part = _Face(part.at, part.free & ~pressed[held], part.active, part.multipliers)
+            part = Face(part.at, part.free & ~pressed[held], part.active, part.multipliers)
             rows = here.slope[held] * part.active[:, :, None] * part.free[:, None, :]
-            basis = _tangents(rows, part.free)
+            basis = tangents(rows, part.free)
             uphill = np.einsum("kmd,km->kd", basis, here.gradient[held])
             step[held], length[held] = _step(
                 problem, at[held], here.take(held), part, basis, uphill, again[held]
@@ -174,7 +176,7 @@ def pull_back(
         usable = np.ones_like(at, dtype=bool) if free is None else free[todo]
         for _ in range(2):
             rows = slope * usable[:, None, :]
-            move = -_least(rows, off[todo])
+            move = -shortest(rows, off[todo])
             blocked = ((at <= problem.lower) & (move < 0)) | ((at >= problem.upper) & (move > 0))
             if not (blocked & usable).any():
                 break
@@ -182,53 +184,6 @@ def pull_back(
         x[todo] = np.clip(at + move, problem.lower, problem.upper)
         now.put(todo, problem.evaluate(x[todo]))
     return x, now
-
-
-@dataclass(frozen=True)
-class _Face:
-    """What presses against a climb.
-
-    Attributes:
-        at: (N, m) the points, moved onto the bounds they press against.
-        free: (N, m) the variables no bound stops.
-        active: (N, c) the constraints that do.
-        multipliers: (N, c).
-    """
-
-    at: Array
-    free: Mask
-    active: Mask
-    multipliers: Array
-
-    def take(self, rows: Mask) -> _Face:
-        return _Face(self.at[rows], self.free[rows], self.active[rows], self.multipliers[rows])
-
-
-def _face(problem: Problem, x: Array, now: Values, near: Array) -> _Face:
-    """Find the bounds and constraints within `near` (N,) that the climb presses against.
-
-    Without the tolerance a climb would creep along a bound a hair's breadth away from it.
-    """
-    low, high = x <= problem.lower + near[:, None], x >= problem.upper - near[:, None]
-    locked = problem.upper <= problem.lower
-    touching = now.residual >= -near[:, None]
-    touching[:, : problem.equalities] = True
-    free, active = ~(low | high), touching
-    for turn in range(5):
-        rows = now.slope * active[:, :, None] * free[:, None, :]
-        multipliers = _multipliers(rows, now.gradient * free)
-        pressing = now.gradient - np.einsum("kcm,kc->km", now.slope, multipliers)
-        stopped = (low & (pressing <= 0)) | (high & (pressing >= 0)) | locked
-        pushed = touching & (multipliers >= 0)
-        if turn > 1:
-            # Late passes only take away freedom: a set that flips back and forth comes to rest.
-            stopped, pushed = stopped | ~free, pushed | active
-        pushed[:, : problem.equalities] = True
-        if (stopped == ~free).all() and (pushed == active).all():
-            break
-        free, active = ~stopped, pushed
-    at = np.where(low & ~free, problem.lower, np.where(high & ~free, problem.upper, x))
-    return _Face(at, free, active, multipliers)
 
 
 def _room(problem: Problem, x: Array, step: Array) -> Array:
@@ -243,7 +198,7 @@ def _step(
     problem: Problem,
     x: Array,
     now: Values,
-    face: _Face,
+    face: Face,
     basis: Array,
     uphill: Array,
     again: Mask,
@@ -252,20 +207,6 @@ def _step(
     newton = _newton(problem, x, now, face.multipliers, basis, uphill)
     step = np.where(again[:, None], uphill, newton)
     return np.einsum("kmd,kd->km", basis, step), np.linalg.norm(step, axis=1)
-
-
-def _tangents(rows: Array, free: Mask) -> Array:
-    """Return orthonormal bases (N, m, d) of what the rows (N, c, m) and bounds leave free.
-
-    A point with less freedom than others has columns of zeros.
-    """
-    inverse = np.linalg.inv(_gram(rows))
-    projector = np.eye(free.shape[1]) * free[:, None, :]
-    projector = projector - rows.transpose(0, 2, 1) @ inverse @ rows
-    share, vectors = np.linalg.eigh(projector)
-    inside = share > 0.5
-    count = int(inside.sum(axis=1).max(initial=1))
-    return np.asarray(vectors[:, :, -count:] * inside[:, None, -count:])
 
 
 def _newton(
@@ -288,24 +229,3 @@ def _newton(
     floor = 1e-6 + 1e-6 * np.abs(curvature).max(axis=1, keepdims=True)
     step = np.einsum("kij,kj->ki", vectors, along / np.maximum(np.abs(curvature), floor))
     return np.asarray(step)
-
-
-def _gram(rows: Array) -> Array:
-    """Return A A^T, regular: an inactive row counts as 1, dependent rows are damped."""
-    square = rows @ rows.transpose(0, 2, 1)
-    c = square.shape[1]
-    diagonal = np.einsum("kcc->kc", square)
-    scale = diagonal.max(axis=1, initial=0.0, keepdims=True)
-    square[:, range(c), range(c)] += np.where(diagonal > 0, 1e-13 * scale, 1.0)
-    return square
-
-
-def _multipliers(rows: Array, vectors: Array) -> Array:
-    right = np.einsum("kcm,km->kc", rows, vectors)
-    return np.linalg.solve(_gram(rows), right[:, :, None])[:, :, 0]
-
-
-def _least(rows: Array, right: Array) -> Array:
-    """Return the shortest solution of A x = r."""
-    solved = np.linalg.solve(_gram(rows), right[:, :, None])
-    return np.asarray((rows.transpose(0, 2, 1) @ solved)[:, :, 0])

@@ -12,7 +12,8 @@ from hitjoints.planning import infeasible
 from hitjoints.planning.candidates import evidence_of, measure, plain
 from hitjoints.planning.certificate import certify
 from hitjoints.planning.objectives import Hit, HitProblem
-from hitjoints.planning.search import Sampler, search
+from hitjoints.planning.sampler import Sampler
+from hitjoints.planning.search import search
 from hitjoints.robot import Contact
 from hitjoints.vectors import unit
 

@@ -13,27 +13,28 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.planning.polish import climb, feasible
-from hitjoints.quantities import place_joint
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.planning.objectives import Hit, HitProblem
+    from hitjoints.planning.objectives import HitProblem
+    from hitjoints.planning.sampler import Sampler
 
     Array = NDArray[np.float64]
 
 GROUPS = 4
 SAMPLES = 512  # per group
-STARTS = 10  # per group, in the first climb and in every hop
+STARTS = 32  # per group and climb; half as many where qd doubles the variables
 KEPT = 3  # optima per group that hops start from
 VARIANTS = 48  # per optimum
 ROUNDS = (1, 3)  # of hops: always, and at most while the groups disagree
+POOLED = 2  # rounds of hops after that, from the optima of all groups
 AGREE = 5e-5  # relative
+PROBES = 64  # samples that tell which joints matter
 SAME = 1e-6  # relative
-APART = 0.3  # rad, between starts
-SCATTER = 0.5  # rad, of a hop
+APART = 1.0  # rad, between starts
 PENALTY = 3.0  # of an excess, against the logarithm of the objective
-COARSE, FINE = 6, 40  # steps of a climb
+GLANCE, COARSE, FINE = 3, 4, 40  # steps of a climb
 
 
 @dataclass(frozen=True)
@@ -69,58 +70,6 @@ class Found:
         return float(1.0 - np.exp(self.restarts.min() - self.restarts.max()))
 
 
-class Sampler:
-    """Draws configurations that put the contact at the object, within bounds.
-
-    Args:
-        hit: what is asked; without a position, every configuration will do.
-        lower, upper: (n,) rad bounds; equal ones keep a joint where it is.
-    """
-
-    def __init__(self, hit: Hit, lower: Array, upper: Array) -> None:
-        self.hit, self.lower, self.upper = hit, lower, upper
-        bounded = np.isfinite(lower) & np.isfinite(upper)
-        # A continuous joint is searched over one turn.
-        self.low, self.high = np.where(bounded, lower, -np.pi), np.where(bounded, upper, np.pi)
-
-    def draw(self, count: int, seed: int) -> Array:
-        """Return configurations (N, n), N <= count, drawn at random."""
-        if self.hit.position is None:
-            return np.random.default_rng(seed).uniform(self.low, self.high, (count, len(self.low)))
-        goals = np.tile(self.hit.position, (count, 1))
-        placed = place_joint(self.hit.robot, self.hit.contact, goals, seed)
-        return np.asarray(placed.q)
-
-    def vary(self, q: Array, rng: np.random.Generator) -> Array:
-        """Return variants of configurations (N, n), within the bounds but off the object.
-
-        Half of them are flips: joint j mirrored and its neighbours turned by half a turn, which
-        leaves the links of an arm with intersecting axes where they are, and the inertia nearly
-        what it was; the other half have joints drawn anew. Both are scattered.
-        """
-        rows, n = q.shape
-        middle = 0.5 * (self.low + self.high)
-        even = np.arange(rows)[:, None] % 2 == 0
-        flips = np.zeros((rows, n + 2), dtype=int)
-        flips[:, 2 : n + 1] = even & (rng.random((rows, n - 1)) < 0.4)
-        turns = (flips[:, :-2] + flips[:, 2:]) % 2
-        flipped = np.where(flips[:, 1:-1] == 1, -q, q)
-        flipped += np.pi * turns * np.where(flipped > middle, -1.0, 1.0)
-        new = rng.uniform(self.low, self.high, q.shape)
-        share = np.where(np.arange(n) < self.hit.contact.joint - 1, 0.5, 1.0)
-        share = np.where(even, 0.05, share * rng.choice((0.1, 0.4, 0.9), (rows, 1)))
-        noise = SCATTER * rng.random((rows, 1)) ** 2 * rng.standard_normal(q.shape)
-        moved = np.where(rng.random(q.shape) < share, new, flipped + noise)
-        return np.clip(moved, self.lower, self.upper)
-
-    def place(self, q: Array) -> Array:
-        """Return the configurations (N, n) moved until the contact is at the object."""
-        if self.hit.position is None:
-            return q
-        goals = np.tile(self.hit.position, (len(q), 1))
-        return np.asarray(place_joint(self.hit.robot, self.hit.contact, goals, start=q).q)
-
-
 def search(problem: HitProblem, sampler: Sampler, seed: int, hints: Array | None = None) -> Found:
     """Find the global optimum of a problem, with evidence.
 
@@ -135,19 +84,22 @@ def search(problem: HitProblem, sampler: Sampler, seed: int, hints: Array | None
     q = sampler.draw(GROUPS * SAMPLES, seed)
     value, excess = problem.screen(q)
     pools = np.array_split(np.arange(len(q)), GROUPS)
-    starts = [_starts(problem, q[pool], value[pool], excess[pool], STARTS) for pool in pools]
+    count = STARTS // 2 if problem.straight else STARTS
+    weight = _weights(problem, q[:PROBES])
+    starts = [_starts(problem, q[pool], value[pool], excess[pool], count, weight) for pool in pools]
     if hints is not None:
         starts = [np.concatenate((hints[:, : problem.n], part)) for part in starts]
     now = _climb(problem, starts)
     for turn in range(ROUNDS[1]):
         if turn >= ROUNDS[0] and now.agree:
             break
-        now = _hop(problem, sampler, now, rngs, KEPT)
+        now = _hop(problem, sampler, now, rngs, KEPT, weight)
     restarts = now.best
     if not now.agree:
-        # What the groups found is on record; their best optima together are hopped from once more.
-        pooled = _Optima(now.x, now.value, np.zeros_like(now.group))
-        now = _hop(problem, sampler, pooled, rngs[:1], KEPT * GROUPS)
+        # What the groups found is on record; their best optima together are hopped from on.
+        now = _Optima(now.x, now.value, np.zeros_like(now.group))
+        for _ in range(POOLED):
+            now = _hop(problem, sampler, now, rngs[:1], KEPT * GROUPS, weight)
     kept = _best(now.value, np.arange(len(now.x)), KEPT * GROUPS)
     x, last = climb(problem, problem.start(now.x[kept, : problem.n]), FINE)
     ok = np.flatnonzero(feasible(problem, last))
@@ -192,10 +144,18 @@ class _Optima:
 
 
 def _climb(problem: HitProblem, starts: list[Array]) -> _Optima:
-    """Climb from the starts of all groups at once."""
-    x, last = climb(problem, problem.start(np.concatenate(starts)), COARSE)
+    """Climb from the starts of all groups at once, the better half of each group further."""
+    x, last = climb(problem, problem.start(np.concatenate(starts)), GLANCE)
+    group = np.repeat(np.arange(len(starts)), [len(s) for s in starts])
     value = np.where(feasible(problem, last), last.value, -np.inf)
-    return _Optima(x, value, np.repeat(np.arange(len(starts)), [len(s) for s in starts]))
+    half = [
+        _best(value, np.flatnonzero(group == g), -(-len(part) // 2))
+        for g, part in enumerate(starts)
+    ]
+    rows = np.concatenate(half)
+    x, last = climb(problem, x[rows], COARSE)
+    value = np.where(feasible(problem, last), last.value, -np.inf)
+    return _Optima(x, value, group[rows])
 
 
 def _hop(
@@ -204,6 +164,7 @@ def _hop(
     now: _Optima,
     rngs: list[np.random.Generator],
     kept: int,
+    weight: Array,
 ) -> _Optima:
     """Climb from variants of each group's best optima, which are climbed on as well."""
     q = now.x[:, : problem.n]
@@ -214,11 +175,12 @@ def _hop(
     ]
     placed = sampler.place(np.concatenate(near))
     value, excess = problem.screen(placed)
-    fresh = (STARTS - KEPT) * (GROUPS // len(rngs))
+    count = STARTS // 2 if problem.straight else STARTS
+    fresh = (count - KEPT) * (GROUPS // len(rngs))
     starts, end = [], 0
     for rows, variants in zip(best, near, strict=True):
         part = slice(end, end + len(variants))
-        chosen = _starts(problem, placed[part], value[part], excess[part], fresh)
+        chosen = _starts(problem, placed[part], value[part], excess[part], fresh, weight)
         starts.append(np.concatenate((q[rows], chosen)))
         end = part.stop
     more = _climb(problem, starts)
@@ -238,16 +200,26 @@ def _best(value: Array, rows: NDArray[np.intp], count: int) -> NDArray[np.intp]:
     return np.asarray(rows[fresh][:count])
 
 
-def _starts(problem: HitProblem, q: Array, value: Array, excess: Array, count: int) -> Array:
+def _weights(problem: HitProblem, q: Array) -> Array:
+    """Return how much each joint matters, (n,) from 0 to 1: starts along a flat joint are alike."""
+    gradient = problem.evaluate(problem.start(q)).gradient[:, : problem.n]
+    typical = np.sqrt(np.nansum(gradient**2, axis=0))
+    return np.asarray(np.minimum(1.0, typical / max(float(np.median(typical)), 1e-12)))
+
+
+def _starts(
+    problem: HitProblem, q: Array, value: Array, excess: Array, count: int, weight: Array
+) -> Array:
     """Choose what to climb from: the best admissible rows, or else those nearest to it.
 
     A demanded flux leaves small islands that samples miss; climbs that have to be pulled onto them
     from good values find more.
     """
-    chosen = _diverse(q, value, excess, count)
+    chosen = _diverse(q * weight, value, excess, count)
     if problem.flux is not None:
-        short = np.where(np.isfinite(excess), PENALTY * excess, np.inf)
-        bold = _diverse(q, value - short, np.where(np.isfinite(excess), 0.0, np.inf), count)
+        usable = np.isfinite(excess)
+        short = np.where(usable, PENALTY * excess, np.inf)
+        bold = _diverse(q * weight, value - short, np.where(usable, 0.0, np.inf), count)
         chosen = np.union1d(chosen, bold)
     return np.asarray(q[chosen])
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -67,6 +67,11 @@ class Start:
     velocity_ratio_max: float
     feasible: bool
     reason: str
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the attributes by name, arrays as lists."""
+        values = {item.name: getattr(self, item.name) for item in fields(self)}
+        return {k: v.tolist() if hasattr(v, "tolist") else v for k, v in values.items()}
 
 
 def plan_start(

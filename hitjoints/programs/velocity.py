@@ -25,13 +25,15 @@ if TYPE_CHECKING:
 RHO = 1e-4
 """Weight of the joint motion in Eq. 12, (m/s)^2 per (rad/s)^2; it makes the minimiser unique."""
 FLOOR = 0.1
-"""Least weight of a joint when the inertia's gradient weighs the joints, relative to the largest."""
+"""Least weight of a joint, relative to the largest, when the inertia's gradient weighs them."""
 WITHIN_REACH = 1.0 - 1e-6
 """Share of the largest reachable speed asked for when the desired one is out of reach."""
 PROGRESS = 1e3
 """Reward for following the field, rad^2/s^2: what posture may not outweigh."""
 CUTOFF = 1e-6
 """m/rad, singular values below which J^+ treats a motion as impossible."""
+REGULAR = 1e-8
+"""det / trace^3 of J J^T above which it is far enough from singular for Cramer's rule."""
 
 
 class Terms(NamedTuple):
@@ -66,7 +68,16 @@ def reachable_speed(pull: Vector, lower: Vector, upper: Vector) -> float:
 
 
 def least_norm(J: Matrix, velocity: Vector) -> Vector:
-    """Return J^+ v (n,), the smallest joint velocity whose contact velocity is nearest to v (3,)."""
+    """Return J^+ v (n,): of the joint velocities that come nearest to v (3,), the smallest."""
+    (a, b, c), (_, d, e), (_, _, f) = (J @ J.T).tolist()
+    A, B, C = d * f - e * e, c * e - b * f, b * e - c * d
+    det = a * A + b * B + c * C
+    if det > REGULAR * (a + d + f) ** 3:
+        # Cramer's rule: a general solver takes several times as long for three unknowns.
+        x, y, z = velocity.tolist()
+        D, E, F = a * f - c * c, b * c - a * e, a * d - b * b
+        sides = (A * x + B * y + C * z, B * x + D * y + E * z, C * x + E * y + F * z)
+        return np.asarray(np.array(sides) @ J / det)
     squares, axes = np.linalg.eigh(J @ J.T)
     inverse = np.where(squares > CUTOFF**2, 1.0 / np.maximum(squares, CUTOFF**2), 0.0)
     return np.asarray((axes @ (inverse * (velocity @ axes))) @ J)

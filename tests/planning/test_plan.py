@@ -158,7 +158,6 @@ def test_continuous_and_prismatic_joints(urdf):
     [
         ({"objective": "speed"}, "straight-flux"),
         ({"objective": "rebound"}, "flux"),
-        ({"flux": 1.0}, "rebound only"),
         ({"objective": "rebound", "flux": -1.0}, "above 0"),
         ({"mass": 0.0}, "weighs more"),
         ({"joints": []}, "at least one"),

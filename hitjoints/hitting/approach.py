@@ -1,0 +1,151 @@
+"""The way to the object: step by step until the impact, or until there is a reason against it."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hitjoints.dynamics.inertia import inertia_along
+from hitjoints.dynamics.kinematics import jacobian, position
+from hitjoints.errors import InfeasibleError
+from hitjoints.hitting.controller import Controller, Step
+from hitjoints.hitting.record import Impact
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+MISSED = 0.02
+"""m from the object at which crossing its plane is no hit any more."""
+STILL = 1e-3
+"""Share of the needed speed below which the contact counts as standing still,"""
+PATIENCE = 0.1
+"""s, when it does so for this long."""
+SLOWNESS = 10.0
+"""Times as long as straight motion at the needed speed takes before a rollout is given up, and"""
+GRACE = 2.0
+"""s more, for what a start beside the line takes."""
+AT_LIMIT = 1e-6
+"""rad, a joint this near to its limit stands at it."""
+
+
+class Approach:
+    """Steps a controller until the contact crosses the plane through the object, or cannot.
+
+    Attributes:
+        rows: (q, step) of every step. q: (n,) rad, after the last. times: s, wall time of each.
+        impact, reason: as of a rollout.
+    """
+
+    def __init__(self, controller: Controller, q: Array) -> None:
+        self._control, self.q = controller, np.array(q)
+        self.rows: list[tuple[Array, Step]] = []
+        self.times: list[float] = []
+        self.impact: Impact | None = None
+        self.reason = ""
+
+    def run(self) -> None:
+        """Move until there is an impact or a reason why there is none."""
+        control, still = self._control, 0
+        robot, hit = control.robot, control.hit
+        patience = max(1, math.ceil(PATIENCE / control.dt))
+        distance = control.ahead(position(robot, self.q, control.contact))
+        for _ in range(math.ceil((SLOWNESS * distance / hit.flux + GRACE) / control.dt)):
+            if not self._advance():
+                return
+            here = position(robot, self.q, control.contact)
+            step = self.rows[-1][1]
+            if control.ahead(here) <= 0:
+                self._strike()
+                return
+            moved = float(np.linalg.norm(here - step.position)) / control.dt
+            still = still + 1 if moved < STILL * hit.speed(step.inertia) else 0
+            if still >= patience:
+                self.reason = f"stalled {control.ahead(here):.3g} m before the object{self._stop()}"
+                return
+        self.reason = f"out of time {control.ahead(here):.3g} m before the object{self._stop()}"
+
+    def _advance(self) -> bool:
+        control, q = self._control, self.q
+        begin = time.perf_counter()
+        try:
+            qd = control.step(q)
+        except InfeasibleError as error:
+            if not self.rows:
+                raise
+            self.reason = f"singular: {error.reason}"
+            return False
+        self.times.append(time.perf_counter() - begin)
+        assert control.last is not None
+        self.rows.append((q, control.last))
+        self.q = np.clip(q + control.dt * qd, control.robot.lower, control.robot.upper)
+        return True
+
+    def _strike(self) -> None:
+        """Find the impact within the last step, at constant joint velocity."""
+        control, (q, step) = self._control, self.rows[-1]
+        robot, hit, h = control.robot, control.hit, control.direction
+        late = crossing(
+            lambda t: control.ahead(position(robot, q + t * step.qd, control.contact)), control.dt
+        )
+        struck = np.clip(q + late * step.qd, robot.lower, robot.upper)
+        here = position(robot, struck, control.contact)
+        velocity = jacobian(robot, struck, control.contact) @ step.qd
+        inertia = inertia_along(robot, struck, control.contact, h)
+        along = float(h @ velocity)
+        across = float(np.linalg.norm(velocity - along * h))
+        control.step(struck)
+        assert control.last is not None
+        miss = float(np.linalg.norm(here - control.position))
+        self.impact = Impact(
+            (len(self.rows) - 1) * control.dt + late,
+            here,
+            miss,
+            math.degrees(math.atan2(across, along)),
+            inertia,
+            control.last.desired_inertia,
+            along,
+            hit.flux_of(inertia, along),
+            struck,
+            step.saturated,
+        )
+        if miss > MISSED:
+            self.reason = (
+                f"off the line: it passes the object at {miss:.3g} m; start nearer to the line or "
+                "further back"
+            )
+
+    def _stop(self) -> str:
+        robot, q = self._control.robot, self.q
+        at = np.flatnonzero((q - robot.lower < AT_LIMIT) | (robot.upper - q < AT_LIMIT))
+        names = ", ".join(f"joint {i + 1} at {q[i]:.4g} rad" for i in at)
+        return f", stopped by position limits ({names})" if names else ""
+
+
+def crossing(ahead: Callable[[float], float], dt: float) -> float:
+    """Return the time in [0, dt] at which ahead(t), positive at 0 and not at dt, vanishes.
+
+    By the Illinois variant of the secant method, to rounding.
+    """
+    early, late = 0.0, dt
+    before, after = ahead(early), ahead(late)
+    side = 0
+    for _ in range(60):
+        if after == 0 or late - early <= 1e-15 * dt:
+            break
+        middle = (early * after - late * before) / (after - before)
+        value = ahead(middle)
+        if value > 0:
+            early, before, after = middle, value, after / 2 if side == 1 else after
+            side = 1
+        else:
+            late, after, before = middle, value, before / 2 if side == -1 else before
+            side = -1
+        if abs(value) < 1e-15:
+            return middle
+    return late

@@ -1,0 +1,59 @@
+"""Plans that leave room, and their starts."""
+
+import numpy as np
+import pytest
+
+import hitjoints as hj
+
+HIT = ([0.5, 0.3, 0.5], [0, 1, 0], 2.0)
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return hj.load_robot("iiwa14")
+
+
+def test_the_clearance_is_reported(robot):
+    around = hj.Surroundings((0.1, 0.1, 0.1), 0.1)
+    best = hj.plan(robot, *HIT, joints=[6], certificate=False, surroundings=around).best
+    direct = hj.clearance(robot, best.q, 6, HIT[1], (0.1, 0.1, 0.1), 0.1, approach=0.1)
+    assert best.clearance["least"] == pytest.approx(direct.least)
+    assert set(best.clearance["closest"]) == {"object", "table", "itself"}
+
+
+def test_a_margin_is_kept_at_a_price(robot):
+    free = hj.plan(robot, *HIT, joints=[6], certificate=False).best
+    around = hj.Surroundings((0.1, 0.1, 0.1), 0.2, margin=0.05)
+    kept = hj.plan(robot, *HIT, joints=[6], certificate=False, surroundings=around).best
+    assert kept.clearance["least"] >= 0.05
+    assert kept.inertia <= free.inertia
+    before = hj.clearance(robot, free.q, 6, HIT[1], (0.1, 0.1, 0.1), 0.2, approach=0.1)
+    assert before.least < 0.05
+
+
+def test_a_margin_that_nothing_keeps(robot):
+    around = hj.Surroundings(table_height=0.6, margin=0.0)
+    planned = hj.plan(robot, *HIT, joints=[6], certificate=False, surroundings=around)
+    assert planned.best is None
+    assert "is accepted" in planned.candidates[0].reason
+
+
+def test_the_start_leads_to_the_hit(robot):
+    planned = hj.plan(robot, *HIT, joints=[6], certificate=False, start=True)
+    start = planned.start
+    assert start.feasible
+    np.testing.assert_array_equal(start.path[-1], planned.best.q)
+    behind = np.array(HIT[0]) - start.run_up * np.array(HIT[1])
+    np.testing.assert_allclose(start.position, behind, atol=1e-4)
+    assert planned.as_dict()["start"]["q"] == start.q.tolist()
+
+
+def test_the_start_is_planned_for_the_flux(robot):
+    planned = hj.plan(robot, *HIT, joints=[7], flux=0.3, certificate=False, start=True)
+    wanted = hj.required_speed(planned.best.inertia, 2.0, 0.3)
+    assert planned.start.speed == pytest.approx(wanted)
+
+
+def test_bad_margin():
+    with pytest.raises(hj.InputError, match="margin"):
+        hj.Surroundings(margin=float("nan"))
