@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -28,15 +29,15 @@ def measure() -> list[Row]:
     """Return the time of one joint's plan against a plain multi-start."""
     robot = hj.load_robot("iiwa14")
 
-    def ours(objective: str) -> Plan:
-        return plan(
+    def ours(objective: str) -> Callable[[], Plan]:
+        return lambda: plan(
             robot, POSITION, DIRECTION, MASS, joints=[6], objective=objective, certificate=False
         )
 
     return [
         compare(
             f"plan joint 6, {objective}",
-            ("global search with evidence", lambda objective=objective: ours(objective), 1),
+            ("global search with evidence", ours(objective), 1),
             (f"SciPy SLSQP, {STARTS} starts, inertia", lambda: multi_start(robot, 6), 1),
             repeats=5,
         )

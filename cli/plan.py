@@ -170,7 +170,7 @@ def _row(one: Candidate, best: bool) -> list[object]:
         return [name, "", "", "", "", "", "", f"no: {one.reason.partition(':')[0]}"]
     evidence: dict[str, Any] = one.evidence
     certificate = evidence["certificate"]
-    proof = "" if certificate is None else f"{100 * certificate['gap']:.1g} %, "
+    proof = "" if certificate is None else f"{100 * max(certificate['gap'], 1e-4):.2g} %, "
     sure = f"{proof}{evidence['agreeing']}/{len(evidence['restarts'])}"
     verdict = f"best: {one.reason}" if best else one.reason
     numbers = (one.inertia, one.speed, one.straight_speed, one.flux, one.straight_flux)

@@ -35,17 +35,22 @@ def rollout(
     robot: RobotOption = ROBOT,
     position: Annotated[
         str | None,
-        typer.Option("--object", metavar="X,Y,Z", help=f"Position of the object. [{OBJECT}]"),
+        typer.Option(
+            "--object", metavar="X,Y,Z", help=f"Position of the object (m). (default: {OBJECT})"
+        ),
     ] = None,
     direction: Annotated[
         str | None,
-        typer.Option("--direction", metavar="X,Y,Z", help=f"Hitting direction. [{DIRECTION}]"),
+        typer.Option(
+            "--direction", metavar="X,Y,Z", help=f"Hitting direction. (default: {DIRECTION})"
+        ),
     ] = None,
     mass: Annotated[
-        float | None, typer.Option("--mass", metavar="KG", help=f"Mass of the object. [{MASS:g}]")
+        float | None,
+        typer.Option("--mass", metavar="KG", help=f"Mass of the object. (default: {MASS:g})"),
     ] = None,
     joint: Annotated[
-        int | None, typer.Option("--joint", help="Hitting joint, from 1. [last but one]")
+        int | None, typer.Option("--joint", help="Hitting joint, from 1. (default: last but one)")
     ] = None,
     contact_offset: Annotated[
         str,

@@ -9,6 +9,7 @@ import numpy as np
 from hitjoints.dynamics.kinematics import feasible_directions, position
 from hitjoints.kernels import Chain
 from hitjoints.planning.candidates import Candidate, away_gap
+from hitjoints.planning.exclusion import exclude
 from hitjoints.planning.objectives import AWAY_MARGIN
 
 if TYPE_CHECKING:
@@ -23,8 +24,8 @@ if TYPE_CHECKING:
 TOGETHER = 1e-9  # m: origins closer than this are one point
 
 
-def unreachable(hit: Hit, placed: Placement) -> Candidate:
-    """Say how close the contact gets to the object."""
+def unreachable(hit: Hit, placed: Placement, prove: bool) -> Candidate:
+    """Say how close the contact gets to the object; prove it, if asked to and possible."""
     nearest = int(np.argmin(placed.error))
     error = float(placed.error[nearest])
     joint, target = hit.contact.joint, hit.position
@@ -39,6 +40,10 @@ def unreachable(hit: Hit, placed: Placement) -> Candidate:
         )
     else:
         how = f"the closest of {len(placed.q)} inverse kinematics searches"
+        proof = exclude(hit, away=False) if prove else None
+        if proof is not None and proof.proved:
+            certified = True
+            how = f"certified: {proof.boxes} boxes, all of its configurations, excluded"
     reason = f"unreachable: joint {joint} stays {error:.4g} m away from ({_vector(target)}) ({how})"
     return _refused(hit, reason, certified, placed.q[nearest], position_error=error)
 
@@ -94,12 +99,13 @@ def immobile(hit: Hit, q: Array) -> Candidate:
     return _refused(hit, reason, False, q, direction=nearest, rank=directions.rank)
 
 
-def pointed_at(hit: Hit, found: Found) -> Candidate:
+def pointed_at(hit: Hit, found: Found, prove: bool) -> Candidate:
     """Say how far the distal links are from pointing away, at best.
 
     Args:
         hit: what is asked.
         found: the search for the least h . (chi_{k+1} - chi_k).
+        prove: try to exclude every configuration by branch and bound.
     """
     joint, q = hit.contact.joint, found.x[0]
     gap = away_gap(hit, q)
@@ -110,9 +116,15 @@ def pointed_at(hit: Hit, found: Found) -> Candidate:
     else:
         why = (
             f"{following} lies at least {gap:.4g} m ahead of joint {joint} along the direction "
-            f"whatever the arm does, over {found.samples} configurations and "
-            f"{found.restarts.size} independent searches"
+            f"whatever the arm does"
         )
+        proof = exclude(hit, away=True) if prove else None
+        if proof is not None and proof.proved:
+            certified = True
+            why += f" (certified: {proof.boxes} boxes, all of its configurations, excluded)"
+        else:
+            searches = f"{found.restarts.size} independent searches"
+            why += f", over {found.samples} configurations and {searches}"
     return _refused(hit, f"away condition impossible: {why}", certified, q, away_gap=gap)
 
 

@@ -11,15 +11,11 @@ import numpy as np
 
 from hitjoints.dynamics.impact import required_speed
 from hitjoints.errors import InputError, UnknownNameError
-from hitjoints.planning import infeasible
-from hitjoints.planning.candidates import Candidate, evidence_of, measure, plain
-from hitjoints.planning.certificate import certify
-from hitjoints.planning.objectives import OBJECTIVES, Hit, HitProblem
-from hitjoints.planning.sampler import Sampler
-from hitjoints.planning.search import Found, search
+from hitjoints.planning.candidates import Candidate, plain
+from hitjoints.planning.joint_plan import plan_joint
+from hitjoints.planning.objectives import OBJECTIVES, Hit
 from hitjoints.planning.start import Start, fastest_start, plan_start
 from hitjoints.planning.surroundings import Surroundings
-from hitjoints.quantities import place_joint
 from hitjoints.vectors import points, unit
 
 if TYPE_CHECKING:
@@ -36,9 +32,6 @@ RANKED_BY = {
     "rebound": "inertia",
 }
 """The quantity that tells which joint is best: least rebound for a given flux is most inertia."""
-
-MOST_ASKED = 2000
-"""Configurations shown to `accept` per joint before giving up."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +114,8 @@ def plan(
         flux: m/s that the hit must be able to reach (Eq. 10); "rebound" needs one.
         away: demand h . (chi_{k+1} - chi_k) < 0 (Eq. 14), by a margin of 1e-6 m.
         seed: of the samples; the optimum does not depend on it.
-        certificate: bound every candidate's inertia over the joints beyond the contact.
+        certificate: bound every candidate's inertia over the joints beyond the contact, and
+            try to prove an infeasible joint infeasible.
         accept: asked of configurations (n,), best first; the first it returns True for is taken.
         surroundings: object, table and margin. The clearance of every candidate is reported, and
             with a margin configurations that do not keep it are passed over.
@@ -155,7 +149,7 @@ def plan(
     found = []
     for hit in hits:
         demands = _demands(hit, accept, surroundings)
-        one = _plan_joint(hit, objective, flux, seed, certificate, demands)
+        one = plan_joint(hit, objective, flux, seed, certificate, demands)
         if one.q is not None and surroundings is not None:
             room = surroundings.clearance(robot, one.q, hit.contact, h)
             one = replace(one, clearance=room.as_dict())
@@ -190,89 +184,6 @@ def _start(hit: Hit, best: Candidate, flux: float | None) -> Start:
         return fastest_start(hit.robot, best.q, hit.contact, hit.direction)
     speed = required_speed(best.inertia, hit.mass, flux)
     return plan_start(hit.robot, best.q, hit.contact, hit.direction, speed)
-
-
-def _plan_joint(
-    hit: Hit,
-    objective: str,
-    flux: float | None,
-    seed: int,
-    certificate: bool,
-    accept: Callable[[Array], bool] | None,
-) -> Candidate:
-    assert hit.position is not None
-    if not infeasible.movers(hit):
-        return infeasible.fixed(hit)
-    probe = place_joint(hit.robot, hit.contact, np.tile(hit.position, (64, 1)), seed)
-    if not probe.solved.any():
-        return infeasible.unreachable(hit, probe)
-    sampler = Sampler(hit, hit.robot.lower, hit.robot.upper)
-    problem = HitProblem(hit, "inertia" if objective == "rebound" else objective, flux=flux)
-    if flux is None:
-        found = search(problem, sampler, seed)
-        refusal = None
-    else:
-        found, refusal = _search_with_flux(hit, problem, sampler, seed)
-    if refusal is None and not found.value.size:
-        found, refusal = _second_try(hit, problem, sampler, seed, probe.q[probe.solved])
-    if refusal is not None:
-        return refusal
-    q = _accepted(found, problem.n, accept)
-    if q is None:
-        reason = (
-            f"none of the {min(MOST_ASKED, len(found.x) + len(found.screened))} best "
-            f"configurations of joint {hit.contact.joint} is accepted"
-        )
-        return Candidate(hit.contact.joint, False, reason, evidence=evidence_of(found))
-    evidence = evidence_of(found)
-    if certificate and accept is None:
-        evidence["certificate"] = certify(hit, q).as_dict()
-    return Candidate(hit.contact.joint, True, "", **measure(hit, q), evidence=evidence)
-
-
-def _search_with_flux(
-    hit: Hit, problem: HitProblem, sampler: Sampler, seed: int
-) -> tuple[Found, Candidate | None]:
-    """Search where a flux is reached, from where most is: random samples seldom reach it."""
-    assert problem.flux is not None
-    hardest = search(HitProblem(hit, "flux"), sampler, seed)
-    if not hardest.value.size:
-        return hardest, None
-    enough = hardest.x[np.exp(hardest.value) > problem.flux]
-    if not len(enough):
-        return hardest, infeasible.short_of_flux(hit, problem.flux, hardest)
-    return search(problem, sampler, seed, enough), None
-
-
-def _second_try(
-    hit: Hit, problem: HitProblem, sampler: Sampler, seed: int, placed: Array
-) -> tuple[Found, Candidate | None]:
-    """Look for what stands in the way of a search that found nothing.
-
-    Returns:
-        A new search from where nothing does, or the reason why there is no such place.
-    """
-    free = HitProblem(replace(hit, away=False), "inertia")
-    pointing = None
-    if hit.away and np.isfinite(free.screen(placed)[0]).any():
-        pointing = search(HitProblem(hit, "away"), sampler, seed)
-        if not infeasible.points_away(pointing):
-            return pointing, infeasible.pointed_at(hit, pointing)
-        found = search(problem, sampler, seed, pointing.x)
-        if found.value.size:
-            return found, None
-    q = placed[0] if pointing is None else pointing.x[0]
-    return Found.nothing(), infeasible.immobile(hit, q)
-
-
-def _accepted(found: Found, n: int, accept: Callable[[Array], bool] | None) -> Array | None:
-    """Return the best configuration that is accepted: the optima first, then the samples."""
-    if accept is None:
-        return np.array(found.x[0, :n])
-    for q in np.concatenate((found.x[:, :n], found.screened))[:MOST_ASKED]:
-        if accept(np.array(q)):
-            return np.array(q)
-    return None
 
 
 def _compare(

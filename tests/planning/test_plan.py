@@ -77,7 +77,7 @@ def test_repeatable(arm):
 def test_promises_over_many_plans(arm):
     rng = np.random.default_rng(8)
     feasible = 0
-    for i in range(60):
+    for i in range(45):
         robot = arm(("iiwa14", "iiwa7", "panda")[i % 3])
         joint = int(rng.choice(robot.hitting_joints))
         target = hj.position(robot, rng.uniform(robot.lower, robot.upper), joint)
@@ -94,7 +94,7 @@ def test_promises_over_many_plans(arm):
         assert np.linalg.norm(hj.position(robot, q, joint) - target) < 1e-6
         after = hj.Contact(joint + 1) if joint < robot.n else robot.flange
         assert h @ (hj.position(robot, q, after) - hj.position(robot, q, joint)) < 0
-    assert feasible > 30
+    assert feasible > 25
 
 
 def test_objectives_trade_inertia_for_flux(arm):

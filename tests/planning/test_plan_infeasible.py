@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 import hitjoints as hj
+from hitjoints.planning.exclusion import exclude
+from hitjoints.planning.objectives import Hit
 from hitjoints.planning.plan import plan
+from hitjoints.robot import Contact
 
 POSITION, DIRECTION, MASS = [0.5, 0.3, 0.5], [0, 1, 0], 2.0
 
@@ -28,10 +31,23 @@ def test_out_of_reach_is_certified(arm):
         assert error == pytest.approx(one.position_error)
 
 
-def test_too_close_is_explained(arm):
-    (one,) = refuse(arm("iiwa14"), [0, 0, 0.36], joints=[6])
+def test_too_close_is_excluded_box_by_box(arm):
+    (one,) = refuse(arm("iiwa14"), [0, 0, 0.36], joints=[5])
+    assert "boxes" in one.reason
+    assert one.evidence["certified"]
+    (one,) = refuse(arm("iiwa14"), [0, 0, 0.36], joints=[5], certificate=False)
     assert "inverse kinematics" in one.reason
     assert not one.evidence["certified"]
+
+
+def test_nothing_that_exists_is_excluded(arm):
+    robot, rng = arm("iiwa14"), np.random.default_rng(0)
+    for q in rng.uniform(robot.lower, robot.upper, (10, robot.n)):
+        h = hj.position(robot, q, 5) - hj.position(robot, q, 6)
+        h /= np.linalg.norm(h)
+        hit = Hit(robot, Contact(5), h, 2.0, hj.position(robot, q, 5), True)
+        assert not exclude(hit, away=True).proved
+        assert not exclude(hit, away=False).proved
 
 
 def test_a_joint_that_does_not_move(arm):
@@ -62,6 +78,7 @@ def test_away_condition_of_two_joints_at_one_point(arm):
 def test_least_gap_is_the_least(arm):
     robot = arm("iiwa14")
     (one,) = refuse(robot, joints=[5])
+    assert one.evidence["certified"]
     gap, h = one.evidence["nearest"]["away_gap"], np.array(DIRECTION)
     q = hj.place_joint(robot, 5, np.tile(POSITION, (500, 1)), seed=5).q
     gaps = [h @ (hj.position(robot, x, 6) - hj.position(robot, x, 5)) for x in q]

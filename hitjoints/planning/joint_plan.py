@@ -1,0 +1,113 @@
+"""The plan of one joint: search, look for what is in the way, prove."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hitjoints.planning import infeasible
+from hitjoints.planning.candidates import Candidate, evidence_of, measure
+from hitjoints.planning.certificate import certify
+from hitjoints.planning.objectives import Hit, HitProblem
+from hitjoints.planning.sampler import Sampler
+from hitjoints.planning.search import Found, search
+from hitjoints.quantities import place_joint
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+MOST_ASKED = 2000
+"""Configurations shown to `accept` per joint before giving up."""
+
+
+def plan_joint(
+    hit: Hit,
+    objective: str,
+    flux: float | None,
+    seed: int,
+    certificate: bool,
+    accept: Callable[[Array], bool] | None,
+) -> Candidate:
+    """Return the best configuration for a hit, with evidence, or the reason why there is none.
+
+    Arguments and errors as `plan`.
+    """
+    assert hit.position is not None
+    if not infeasible.movers(hit):
+        return infeasible.fixed(hit)
+    probe = place_joint(hit.robot, hit.contact, np.tile(hit.position, (64, 1)), seed)
+    if not probe.solved.any():
+        return infeasible.unreachable(hit, probe, certificate)
+    sampler = Sampler(hit, hit.robot.lower, hit.robot.upper)
+    problem = HitProblem(hit, "inertia" if objective == "rebound" else objective, flux=flux)
+    if flux is None:
+        found = search(problem, sampler, seed)
+        refusal = None
+    else:
+        found, refusal = _search_with_flux(hit, problem, sampler, seed)
+    if refusal is None and not found.value.size:
+        placed = probe.q[probe.solved]
+        found, refusal = _second_try(hit, problem, sampler, seed, placed, certificate)
+    if refusal is not None:
+        return refusal
+    q = _accepted(found, problem.n, accept)
+    if q is None:
+        reason = (
+            f"none of the {min(MOST_ASKED, len(found.x) + len(found.screened))} best "
+            f"configurations of joint {hit.contact.joint} is accepted"
+        )
+        return Candidate(hit.contact.joint, False, reason, evidence=evidence_of(found))
+    evidence = evidence_of(found)
+    if certificate and accept is None:
+        evidence["certificate"] = certify(hit, q).as_dict()
+    return Candidate(hit.contact.joint, True, "", **measure(hit, q), evidence=evidence)
+
+
+def _search_with_flux(
+    hit: Hit, problem: HitProblem, sampler: Sampler, seed: int
+) -> tuple[Found, Candidate | None]:
+    """Search where a flux is reached, from where most is: random samples seldom reach it."""
+    assert problem.flux is not None
+    hardest = search(HitProblem(hit, "flux"), sampler, seed)
+    if not hardest.value.size:
+        return hardest, None
+    enough = hardest.x[np.exp(hardest.value) > problem.flux]
+    if not len(enough):
+        return hardest, infeasible.short_of_flux(hit, problem.flux, hardest)
+    return search(problem, sampler, seed, enough), None
+
+
+def _second_try(
+    hit: Hit, problem: HitProblem, sampler: Sampler, seed: int, placed: Array, prove: bool
+) -> tuple[Found, Candidate | None]:
+    """Look for what stands in the way of a search that found nothing.
+
+    Returns:
+        A new search from where nothing does, or the reason why there is no such place.
+    """
+    free = HitProblem(replace(hit, away=False), "inertia")
+    pointing = None
+    if hit.away and np.isfinite(free.screen(placed)[0]).any():
+        pointing = search(HitProblem(hit, "away"), sampler, seed)
+        if not infeasible.points_away(pointing):
+            return pointing, infeasible.pointed_at(hit, pointing, prove)
+        found = search(problem, sampler, seed, pointing.x)
+        if found.value.size:
+            return found, None
+    q = placed[0] if pointing is None else pointing.x[0]
+    return Found.nothing(), infeasible.immobile(hit, q)
+
+
+def _accepted(found: Found, n: int, accept: Callable[[Array], bool] | None) -> Array | None:
+    """Return the best configuration that is accepted: the optima first, then the samples."""
+    if accept is None:
+        return np.array(found.x[0, :n])
+    for q in np.concatenate((found.x[:, :n], found.screened))[:MOST_ASKED]:
+        if accept(np.array(q)):
+            return np.array(q)
+    return None
