@@ -16,7 +16,7 @@ from rich.table import Table
 
 from benchmarks.harness import Figure, Row
 
-MODULES = ("startup", "single_call", "programs", "kernels", "workspace", "learning")
+MODULES = ("startup", "single_call", "programs", "kernels", "workspace", "planning", "learning")
 PACKAGES = ("pin", "proxsuite", "numpy", "scipy", "llvmlite", "xarray", "zarr")
 
 

@@ -87,6 +87,8 @@ def plan(
 
         check_writable(plot, "plot", FIGURE_ENDINGS)
     arm = load_robot(robot)
+    size = None if object_size is None else triple(object_size, "object_size")
+    around = Surroundings(size, table_height, margin)
     planned = make_plan(
         arm,
         numbers(position),
@@ -98,11 +100,7 @@ def plan(
         away=away,
         seed=seed,
         certificate=certificate,
-        surroundings=Surroundings(
-            None if object_size is None else triple(object_size, "object_size"),
-            table_height,
-            margin,
-        ),
+        surroundings=around,
         start=True,
     )
     result = planned.as_dict() | {"robot": robot}
@@ -113,7 +111,7 @@ def plan(
         from hitjoints.show.figures import save_figure
         from hitjoints.show.plan import draw_plan
 
-        save_figure(draw_plan(arm, planned), plot)
+        save_figure(draw_plan(arm, planned, around.object_size), plot)
     if as_json:
         print_json(result)
     else:

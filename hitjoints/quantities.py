@@ -17,7 +17,7 @@ from hitjoints.vectors import points, unit
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.kernels import Placement
+    from hitjoints.kernels import Chain, Placement
     from hitjoints.robot import Contact, Robot
 
 
@@ -109,6 +109,7 @@ def place_joint(
     seed: int = 0,
     *,
     start: ArrayLike | None = None,
+    rows: NDArray[np.int64] | None = None,
     threads: int | None = None,
 ) -> Placement:
     """Find configurations that put a joint (or contact) at given positions: batched IK (Eq. 8).
@@ -119,6 +120,8 @@ def place_joint(
         positions: (3,) or (N, 3) m. Repeat a position to sample its self-motion.
         seed: of the random starts. Same seed, same answer, whatever the number of threads.
         start: (n,) or (N, n) rad, where the first attempt starts; at random when not given.
+        rows: (N,) numbers that key the random starts, 0..N-1 when not given. Who splits a batch
+            passes the numbers in the whole, and gets the same answer.
         threads: worker threads; all available processors when not given.
 
     Returns:
@@ -142,8 +145,17 @@ def place_joint(
         targets,
         seed=seed,
         start=start,
+        rows=rows,
         threads=threads,
+        chain=_chain_of(robot),
     )
+
+
+@lru_cache(maxsize=16)
+def _chain_of(robot: Robot) -> Chain:
+    from hitjoints.kernels import Chain
+
+    return Chain.from_model(robot.model)
 
 
 def _checked(

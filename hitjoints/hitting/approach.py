@@ -22,13 +22,13 @@ if TYPE_CHECKING:
 
 MISSED = 0.02
 """m from the object at which crossing its plane is no hit any more."""
-STILL = 1e-3
+STILL = 0.02
 """Share of the needed speed below which the contact counts as standing still,"""
 PATIENCE = 0.1
 """s, when it does so for this long."""
-SLOWNESS = 10.0
+SLOWNESS = 5.0
 """Times as long as straight motion at the needed speed takes before a rollout is given up, and"""
-GRACE = 2.0
+GRACE = 1.0
 """s more, for what a start beside the line takes."""
 AT_LIMIT = 1e-6
 """rad, a joint this near to its limit stands at it."""

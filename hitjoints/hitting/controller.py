@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 ReferenceName = Literal["constant", "optimised"]
 SLOWED = 1.0 - 1e-6  # scalings below this count as slowed down
 BRAKING = 0.5  # share of the speed kept per step when no motion is certified
+TOUCH = 1e-6  # rad beyond a limit that rounding or a sensor may report of an arm that stands at it
 STABLE = 0.5  # greatest share of an inertia error that one step may remove to first order
 
 
@@ -179,12 +180,12 @@ class Controller:
             q: (n,) rad, where the arm is.
 
         Raises:
-            InputError: q is outside the position limits, or not finite.
+            InputError: q is outside the position limits by more than 1e-6 rad, or not finite.
             InfeasibleError: the contact cannot move along the direction in this configuration.
         """
         q = np.asarray(q, dtype=float)
         if q.shape != self._shape or not ((q >= self._low) & (q <= self._high)).all():
-            self.robot.within_limits(q)  # says what is wrong
+            q = self._touching(q)
         state = observe(self.robot, q, self.contact, self.direction)
         lower, upper = self.bounds(q)
         pull = self.direction @ state.J
@@ -214,6 +215,13 @@ class Controller:
             braked,
         )
         return motion.qd
+
+    def _touching(self, q: Array) -> Array:
+        """Return q on the limits it exceeds by no more than `TOUCH`, and refuse any other."""
+        near = np.clip(q, self._low, self._high) if q.shape == self._shape else q
+        if q.shape == self._shape and np.abs(q - near).max() <= TOUCH:
+            return near
+        return self.robot.within_limits(q)
 
     def _wish(self, q: Array, state: State, desired: float) -> Array:
         """Return the joint velocity (n,) that the null space term of Eq. 7 asks for."""

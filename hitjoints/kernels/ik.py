@@ -57,6 +57,7 @@ def place(
     rows: np.ndarray[Any, np.dtype[np.integer[Any]]] | None = None,
     threads: int | None = None,
     backend: str | None = None,
+    chain: Chain | None = None,
 ) -> Placement:
     """Find configurations whose contact is at the given positions.
 
@@ -74,13 +75,14 @@ def place(
             batch passes the numbers in the whole.
         threads: None for as many as help.
         backend: see `build_kernel`.
+        chain: of the model, when it is known already.
 
     Raises:
         InputError: no such joint, wrong shapes, or a number that is not finite.
         ModelError: the model is not a serial arm.
         KernelMismatchError: the positions found disagree with Pinocchio.
     """
-    chain = Chain.from_model(model)
+    chain = Chain.from_model(model) if chain is None else chain
     targets = np.asarray(positions, dtype=np.float64)
     if targets.ndim != 2 or targets.shape[1] != 3 or not np.isfinite(targets).all():
         raise InputError("positions", f"shape {targets.shape}", "finite (N, 3) (m) is expected")

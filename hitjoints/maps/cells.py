@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hitjoints.quantities import kernel_for
+from hitjoints.quantities import kernel_for, place_joint
 from hitjoints.robot import Contact
 
 if TYPE_CHECKING:
@@ -147,13 +147,10 @@ def _sample(
     threads: int | None,
 ) -> tuple[Array, NDArray[np.bool_], NDArray[np.int64]]:
     """Return q (R, S, n), solved (R, S) at the R positions that can be reached, and which."""
-    from hitjoints.kernels import place
-
-    robot, samples = question.robot, question.samples
-    point = (contact.joint, contact.offset)
+    robot, samples, seed = question.robot, question.samples, question.seed
 
     def attempt(targets: Array, rows: NDArray[np.int64]) -> Placement:
-        return place(robot.model, point, targets, seed=question.seed, rows=rows, threads=threads)
+        return place_joint(robot, contact, targets, seed, rows=rows, threads=threads)
 
     # One sample decides whether the position can be reached: most of a map often cannot.
     first = numbers * samples

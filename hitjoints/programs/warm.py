@@ -62,10 +62,12 @@ class WarmProgram:
             return known
         self.warm += 1
         x, y = self._proximal(H, c, A, b, lower, upper)
+        self._guess(x, y, H, c, A, lower, upper)
+        exact = self._follow(H, c, A, b, lower, upper, GUESSES)
+        if exact is not None:
+            return exact
         if certified(H, c, A, b, lower, upper, x, y):
-            self._side = np.where(x >= upper, 1.0, np.where(x <= lower, -1.0, 0.0))
-            exact = self._follow(H, c, A, b, lower, upper, 1)
-            return x if exact is None else exact
+            return x
         self._qp = None  # the next program starts without this one's iterate
         self.cold += 1
         try:
@@ -87,16 +89,21 @@ class WarmProgram:
                 right[i] = upper[i] if self._side[i] > 0 else lower[i]
             try:
                 free: Vector = np.asarray(np.linalg.solve(K, right))
-            except np.linalg.LinAlgError:
-                return None
+            except np.linalg.LinAlgError:  # equalities that depend on each other
+                free = np.asarray(np.linalg.lstsq(K, right)[0])
             x: Vector = np.minimum(np.maximum(free[:n], lower), upper)
             y: Vector = free[n:]
             if certified(H, c, A, b, lower, upper, x, y):
                 return x
-            push = -(H @ free[:n] + c + y @ A)
-            self._side = np.where(push > upper - free[:n], 1.0, 0.0)
-            self._side[push < lower - free[:n]] = -1.0
+            self._guess(free[:n], y, H, c, A, lower, upper)
         return None
+
+    def _guess(
+        self, x: Vector, y: Vector, H: Matrix, c: Vector, A: Matrix, lower: Vector, upper: Vector
+    ) -> None:
+        """Note which bounds are active: those whose multiplier exceeds their slack."""
+        push = -(H @ x + c + y @ A)
+        self._side = np.where(push > upper - x, 1.0, np.where(push < lower - x, -1.0, 0.0))
 
     def _proximal(
         self, H: Matrix, c: Vector, A: Matrix, b: Vector, lower: Vector, upper: Vector

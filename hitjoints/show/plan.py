@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 OBJECT = (0.12, 0.12, 0.12)  # m, edges of the box drawn for the object
 
 
-def draw_plan(robot: Robot, plan: Plan) -> Figure:
+def draw_plan(
+    robot: Robot, plan: Plan, object_size: tuple[float, float, float] | None = None
+) -> Figure:
     """Return the figure of a plan that has a best joint.
 
     On the left the arm with the object, the direction and the inertia ellipsoid at the contact; on
@@ -30,14 +32,21 @@ def draw_plan(robot: Robot, plan: Plan) -> Figure:
     assert plan.best.q is not None
     figure = Figure(figsize=(10, 5), layout="constrained")
     scene = figure.add_subplot(1, 2, 1, projection="3d")
-    draw_arm(scene, robot, plan.best.q, plan.best.joint, plan.direction, object_size=OBJECT)
+    draw_arm(
+        scene,
+        robot,
+        plan.best.q,
+        plan.best.joint,
+        plan.direction,
+        object_size=object_size or OBJECT,
+    )
     scene.set_title(
         f"joint {plan.best.joint}: {plan.best.inertia:.3g} kg, {plan.best.speed:.3g} m/s",
         fontsize="medium",
     )
     _draw_bars(figure.add_subplot(1, 2, 2), plan)
     at = ", ".join(f"{value:g}" for value in plan.position)
-    along = ", ".join(f"{value:g}" for value in plan.direction)
+    along = ", ".join(f"{value:.3g}" for value in plan.direction)
     figure.suptitle(
         f"{robot.name}: object of {plan.mass:g} kg at ({at}) m, hit along ({along}); "
         f"planned for {plan.objective}",

@@ -1,0 +1,186 @@
+"""The control step's time, and counts over many random rollouts.
+
+`python -m benchmarks control` measures the step; `python -m benchmarks.control 1000 300` also
+counts broken limits over 1000 random rollouts and judges 300 random planned hits.
+"""
+
+from __future__ import annotations
+
+import statistics
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+import hitjoints as hj
+from benchmarks.harness import Figure
+from hitjoints.hitting.controller import Controller
+from hitjoints.hitting.hit import Hit
+from hitjoints.hitting.prepare import Preparation, prepare
+from hitjoints.hitting.record import Rollout
+from hitjoints.hitting.rollout import rollout
+from hitjoints.planning.plan import plan
+from hitjoints.robot import Robot
+
+JOINTS = (5, 6, 7)
+TRIES = 20  # random hits tried for each feasible one
+
+
+def measure() -> list[Figure]:
+    """Return the time of a full control step: kinematics, inertia, gradient, Eq. 12, law."""
+    robot = hj.load_robot("iiwa14")
+    hit = Hit(6, np.array([0.5, 0.3, 0.5]), np.array([0.0, 1.0, 0.0]), 2.0, 0.3)
+    found = prepare(robot, hit)
+    times: list[float] = []
+    for dt in (0.005, 0.002, 0.001) * 8:
+        controller, q = Controller(robot, hit, found.q_hit, dt=dt), found.q0
+        while not controller.arrived:
+            begin = time.perf_counter()
+            qd = controller.step(q)
+            times.append(time.perf_counter() - begin)
+            q = np.clip(q + dt * qd, robot.lower, robot.upper)
+    micro = 1e6 * np.array(times)
+    return [
+        Figure("control step, median", float(np.median(micro)), "us", "<= 120"),
+        Figure("control step, 99th percentile", float(np.percentile(micro, 99)), "us", "<= 400"),
+    ]
+
+
+def broken_limits(result: Rollout) -> int:
+    """Return how many numbers of a rollout are beyond a limit, by however little."""
+    robot, q, qd = result.robot, result.rows["q"], result.rows["qd"]
+    beyond = (q < robot.lower) | (q > robot.upper)
+    too_fast = (qd < robot.velocity_lower) | (qd > robot.velocity_upper)
+    return int(beyond.sum() + too_fast.sum())
+
+
+def random_rollouts(count: int, seed: int = 0) -> Iterator[Rollout]:
+    """Yield rollouts of three arms from random starts, half of them with joints at a limit."""
+    rng = np.random.default_rng(seed)
+    robots = [hj.load_robot(name) for name in ("iiwa14", "iiwa7", "panda")]
+    for i in range(count):
+        robot = robots[i % 3]
+        joint = int(rng.choice(robot.hitting_joints))
+        q0, goal = rng.uniform(robot.lower, robot.upper, (2, robot.n))
+        if i % 2:
+            side = rng.integers(0, 4, robot.n)
+            q0 = np.where(side == 0, robot.lower, np.where(side == 1, robot.upper, q0))
+        target = hj.position(robot, goal, joint)
+        way = target - hj.position(robot, q0, joint)
+        direction = way / np.linalg.norm(way) + 0.3 * rng.standard_normal(3)
+        if direction @ way <= 0:
+            direction = way
+        flux = float(rng.uniform(0.05, 1.0))
+        hit = Hit(joint, target, direction, float(rng.uniform(0.3, 5.0)), flux)
+        reference: Any = ("optimised", "constant")[i % 2]
+        yield rollout(robot, hit, q0=q0, q_hit=goal, reference=reference)
+
+
+def count_violations(count: int) -> dict[str, Any]:
+    """Return the violations over random rollouts, and how these ended."""
+    begin, ends = time.perf_counter(), Counter[str]()
+    violations = steps = braked = 0
+    for result in random_rollouts(count):
+        violations += broken_limits(result)
+        steps += len(result.rows["q"])
+        braked += result.braked_steps
+        ends[result.reason.split(" ")[0] or "hit"] += 1
+    seconds = time.perf_counter() - begin
+    return {"rollouts": count, "steps": steps, "violations": violations, "braked": braked} | {
+        "ends": dict(ends),
+        "seconds": seconds,
+    }
+
+
+def feasible_hits(
+    robot: Robot, count: int, seed: int = 0, refused: Counter[str] | None = None
+) -> Iterator[tuple[Hit, Preparation]]:
+    """Yield random hits that a plan reaches with a run-up; `refused` counts the others."""
+    rng = np.random.default_rng(seed)
+    refused = Counter() if refused is None else refused
+    found = 0
+    for i in range(TRIES * count):
+        if found == count:
+            return
+        joint = JOINTS[found % len(JOINTS)]
+        target = hj.position(robot, rng.uniform(robot.lower, robot.upper), joint)
+        direction, mass = rng.standard_normal(3), float(rng.uniform(0.5, 4.0))
+        share = float(rng.uniform(0.3, 0.8))
+        best = plan(
+            robot, target, direction, mass, [joint], "straight-flux", seed=i, certificate=False
+        ).best
+        if best is None or best.straight_flux is None or best.straight_flux <= 0.01:
+            refused["plan"] += 1
+            continue
+        hit = Hit(joint, target, direction, mass, share * best.straight_flux)
+        try:
+            prepared = prepare(robot, hit, seed=i)
+        except hj.InfeasibleError as error:
+            refused[error.reason.split(":")[0].split(" has ")[-1]] += 1
+            continue
+        found += 1
+        yield hit, prepared
+
+
+def tracking(result: Rollout) -> float:
+    """Return the RMS of inertia - desired inertia over the approach, kg."""
+    n = result.steps
+    return float(
+        np.sqrt(np.mean((result.rows["inertia"] - result.rows["desired_inertia"])[:n] ** 2))
+    )
+
+
+def failure(result: Rollout) -> str:
+    """Return what a hit of a feasible plan lacks, or nothing."""
+    impact = result.impact
+    if result.reason or impact is None:
+        return result.reason
+    if impact.miss > 2e-3:
+        return f"miss {1e3 * impact.miss:.2f} mm"
+    if impact.direction_error > 2:
+        return f"direction {impact.direction_error:.2f} deg"
+    if abs(impact.flux / result.hit.flux - 1) > 0.01 and not impact.saturated:
+        return f"flux {impact.flux:.3f} instead of {result.hit.flux:.3f}"
+    return ""
+
+
+def judge_hits(count: int) -> dict[str, Any]:
+    """Return the share of successful hits and how well the two references are tracked."""
+    robot, ratios = hj.load_robot("iiwa14"), []
+    failures: list[str] = []
+    saturated, misses, times = 0, [], []
+    refused = Counter[str]()
+    for hit, found in feasible_hits(robot, count, refused=refused):
+        optimised = rollout(robot, hit, q0=found.q0, q_hit=found.q_hit)
+        constant = rollout(robot, hit, q0=found.q0, q_hit=found.q_hit, reference="constant")
+        ratios.append(tracking(optimised) / tracking(constant))
+        times.append(1e6 * optimised.step_times)
+        reason = failure(optimised)
+        if reason:
+            failures.append(f"joint {robot.contact(hit.contact).joint}: {reason}")
+        if optimised.impact is not None:
+            saturated += optimised.impact.saturated
+            misses.append(optimised.impact.miss)
+    return {
+        "hits": len(ratios),
+        "success": 1 - len(failures) / len(ratios),
+        "saturated": saturated,
+        "largest_miss_mm": 1e3 * max(misses),
+        "failures": failures,
+        "optimised_tracks_better": statistics.mean(ratio < 1 for ratio in ratios),
+        "tracking_ratio_median": statistics.median(ratios),
+        "refused": dict(refused),
+        "step_us_median": float(np.median(np.concatenate(times))),
+        "step_us_p99": float(np.percentile(np.concatenate(times), 99)),
+    }
+
+
+if __name__ == "__main__":
+    rollouts, hits = (int(word) for word in [*sys.argv[1:], "1000", "300"][:2])
+    for figure in measure():
+        print(figure)
+    print(count_violations(rollouts))
+    print(judge_hits(hits))
