@@ -16,7 +16,16 @@ from rich.table import Table
 
 from benchmarks.harness import Figure, Row
 
-MODULES = ("startup", "single_call", "programs", "kernels", "workspace", "planning", "learning")
+MODULES = (
+    "startup",
+    "single_call",
+    "programs",
+    "kernels",
+    "workspace",
+    "planning",
+    "control",
+    "learning",
+)
 PACKAGES = ("pin", "proxsuite", "numpy", "scipy", "llvmlite", "xarray", "zarr")
 
 

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
         ModelError,
         SolverError,
     )
+    from hitjoints.hitting.controller import Controller
+    from hitjoints.hitting.hit import Hit
+    from hitjoints.hitting.rollout import rollout
     from hitjoints.loading import ModelWarning, load_robot, robot_names
     from hitjoints.maps.joint_sweep import sweep_joint
     from hitjoints.maps.workspace import open_map, sweep_workspace
@@ -53,6 +56,9 @@ _HOMES = {
         "position",
     ),
     "errors": ("HitjointsError", "InfeasibleError", "InputError", "ModelError", "SolverError"),
+    "hitting.controller": ("Controller",),
+    "hitting.hit": ("Hit",),
+    "hitting.rollout": ("rollout",),
     "loading": ("ModelWarning", "load_robot", "robot_names"),
     "maps.joint_sweep": ("sweep_joint",),
     "maps.workspace": ("open_map", "sweep_workspace"),
@@ -74,7 +80,9 @@ _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
     "Contact",
+    "Controller",
     "FeasibleDirections",
+    "Hit",
     "HitjointsError",
     "InfeasibleError",
     "InputError",
@@ -106,6 +114,7 @@ __all__ = [
     "rebound",
     "required_speed",
     "robot_names",
+    "rollout",
     "sweep_joint",
     "sweep_workspace",
 ]

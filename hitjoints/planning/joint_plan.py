@@ -32,6 +32,7 @@ def plan_joint(
     seed: int,
     certificate: bool,
     accept: Callable[[Array], bool] | None,
+    hints: Array | None = None,
 ) -> Candidate:
     """Return the best configuration for a hit, with evidence, or the reason why there is none.
 
@@ -46,7 +47,7 @@ def plan_joint(
     sampler = Sampler(hit, hit.robot.lower, hit.robot.upper)
     problem = HitProblem(hit, "inertia" if objective == "rebound" else objective, flux=flux)
     if flux is None:
-        found = search(problem, sampler, seed)
+        found = search(problem, sampler, seed, _admissible(problem, hints))
         refusal = None
     else:
         found, refusal = _search_with_flux(hit, problem, sampler, seed)
@@ -66,6 +67,13 @@ def plan_joint(
     if certificate and accept is None:
         evidence["certificate"] = certify(hit, q).as_dict()
     return Candidate(hit.contact.joint, True, "", **measure(hit, q), evidence=evidence)
+
+
+def _admissible(problem: HitProblem, hints: Array | None) -> Array | None:
+    """Return those of the hints (H, n) that a search may start from."""
+    if hints is None or not len(hints):
+        return None
+    return np.asarray(hints[problem.screen(hints)[1] == 0])
 
 
 def _search_with_flux(

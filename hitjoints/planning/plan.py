@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -99,6 +99,7 @@ def plan(
     accept: Callable[[Array], bool] | None = None,
     surroundings: Surroundings | None = None,
     start: bool = False,
+    hints: Mapping[int, ArrayLike] | None = None,
 ) -> Plan:
     """Choose the joint and the configuration for a hit.
 
@@ -119,6 +120,8 @@ def plan(
         accept: asked of configurations (n,), best first; the first it returns True for is taken.
         surroundings: object, table and margin. The clearance of every candidate is reported, and
             with a margin configurations that do not keep it are passed over.
+        hints: configurations (M, n) rad by joint to search from as well, with the contact at the
+            object, such as `Feasibility.propose` gives; not used when there is a `flux`.
         start: plan the start of the best hit too: for `flux`, or the fastest there is.
 
     Returns:
@@ -149,7 +152,9 @@ def plan(
     found = []
     for hit in hits:
         demands = _demands(hit, accept, surroundings)
-        one = plan_joint(hit, objective, flux, seed, certificate, demands)
+        near = None if hints is None else hints.get(hit.contact.joint)
+        near = None if near is None else np.atleast_2d(robot.configuration(near, "hints"))
+        one = plan_joint(hit, objective, flux, seed, certificate, demands, near)
         if one.q is not None and surroundings is not None:
             room = surroundings.clearance(robot, one.q, hit.contact, h)
             one = replace(one, clearance=room.as_dict())

@@ -58,3 +58,12 @@ def test_the_start_is_planned_for_the_flux(robot):
 def test_bad_margin():
     with pytest.raises(hj.InputError, match="margin"):
         hj.Surroundings(margin=float("nan"))
+
+
+def test_hints_are_searched_from_and_change_no_optimum(robot):
+    plain = hj.plan(robot, *HIT, joints=[6], certificate=False).best
+    near = hj.place_joint(robot, 6, np.tile(HIT[0], (8, 1)), seed=9).q
+    hinted = hj.plan(robot, *HIT, joints=[6], certificate=False, hints={6: near}).best
+    assert hinted.inertia == pytest.approx(plain.inertia, rel=1e-4)
+    with pytest.raises(hj.InputError, match="hints"):
+        hj.plan(robot, *HIT, joints=[6], hints={6: [[0, 0]]})
