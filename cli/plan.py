@@ -145,7 +145,9 @@ def _print(title: str, planned: Plan) -> None:
 
 
 def _print_room(best: Candidate) -> None:
-    assert best.clearance is not None
+    if best.clearance is None:
+        print("clearance: not known, the robot has no collision shapes")
+        return
     near = [
         f"{best.clearance[name]:.3f} m from {name} ({' - '.join(pair)})"
         for name, pair in best.clearance["closest"].items()

@@ -64,7 +64,7 @@ def _cell(value: object) -> str:
         return "yes" if value else "no"
     if isinstance(value, float):
         # A gradient of 1e-17 is a zero that was computed.
-        return f"{round(value, 12):.4g}" if math.isfinite(value) else "-"
+        return f"{round(value, 12) + 0.0:.4g}" if math.isfinite(value) else "-"
     if hasattr(value, "__iter__"):
         return ", ".join(_cell(item) for item in value)
     return str(value)

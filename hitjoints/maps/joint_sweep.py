@@ -86,7 +86,7 @@ def _turn(
     row: dict[str, Any] = {"joint": joint, "q": q, "reachable": reachable}
     row["position_error"] = float(placed.error[0])
     low, high = robot.lower[joint - 1], robot.upper[joint - 1]
-    if not np.isfinite(low + high):
+    if not np.isfinite((low, high)).all():
         low, high = -np.pi, np.pi
     row["angle"] = np.linspace(low, high, count)
     turned = np.tile(q, (count, 1))

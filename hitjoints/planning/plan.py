@@ -156,8 +156,7 @@ def plan(
         near = None if near is None else np.atleast_2d(robot.configuration(near, "hints"))
         one = plan_joint(hit, objective, flux, seed, certificate, demands, near)
         if one.q is not None and surroundings is not None:
-            room = surroundings.clearance(robot, one.q, hit.contact, h)
-            one = replace(one, clearance=room.as_dict())
+            one = replace(one, clearance=surroundings.report(robot, one.q, hit.contact, h))
         found.append(one)
     best, candidates = _compare(found, RANKED_BY[objective])
     begin = None

@@ -218,7 +218,8 @@ def _step_back(
     """Return the configuration (n,) one step earlier, whose contact is at the target (3,)."""
     low, high = _bounds_back(robot, q, dt)
     ranged = np.isfinite(robot.lower) & np.isfinite(robot.upper)
-    middle = np.where(ranged, (robot.lower + robot.upper) / 2, q)
+    middle = q.copy()
+    middle[ranged] = (robot.lower[ranged] + robot.upper[ranged]) / 2
     posture = POSTURE * speed * (middle - q)
     shift = (target - position(robot, q, contact)) / dt
     before = q

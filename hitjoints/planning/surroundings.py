@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.errors import InputError
+from hitjoints.errors import InputError, ModelError
 from hitjoints.planning.clearance import Clearance, clearance
 
 if TYPE_CHECKING:
@@ -36,6 +36,26 @@ class Surroundings:
     def __post_init__(self) -> None:
         if self.margin is not None and not np.isfinite(self.margin):
             raise InputError("margin", self.margin, "a finite distance in metres")
+
+    @property
+    def asked_for(self) -> bool:
+        """Tell whether anything is asked for beyond reporting the arm's distance from itself."""
+        return any(v is not None for v in (self.object_size, self.table_height, self.margin))
+
+    def report(
+        self, robot: Robot, q: NDArray[np.float64], contact: Contact, h: NDArray[np.float64]
+    ) -> dict[str, Any] | None:
+        """Return the clearance by name; None for a robot without shapes of which none was asked.
+
+        Raises:
+            ModelError: the robot has no collision shapes, and something was asked for.
+        """
+        try:
+            return self.clearance(robot, q, contact, h).as_dict()
+        except ModelError:
+            if self.asked_for:
+                raise
+            return None
 
     def clearance(
         self, robot: Robot, q: NDArray[np.float64], contact: Contact, h: NDArray[np.float64]

@@ -149,3 +149,14 @@ def test_fastest_start_cannot_be_made_much_faster(arm):
 def test_no_start_where_the_joint_cannot_move(arm):
     with pytest.raises(InfeasibleError, match="joint 2"):
         fastest_start(arm("iiwa14"), arm("iiwa14").home, 2, [0, 1, 0])
+
+
+def test_continuous_joints_have_no_middle():
+    """Infinite limits must not be averaged: no warning, no nan."""
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        robot = hj.load_robot("kinova")
+        start = fastest_start(robot, robot.home, robot.n, [0, 1, 0])
+    assert np.isfinite(start.path).all()

@@ -1,5 +1,7 @@
 """Plans that leave room, and their starts."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -67,3 +69,13 @@ def test_hints_are_searched_from_and_change_no_optimum(robot):
     assert hinted.inertia == pytest.approx(plain.inertia, rel=1e-4)
     with pytest.raises(hj.InputError, match="hints"):
         hj.plan(robot, *HIT, joints=[6], hints={6: [[0, 0]]})
+
+
+def test_a_robot_without_shapes_has_plans_but_no_clearance(robot, tmp_path):
+    path = tmp_path / "bare.urdf"
+    path.write_text(re.sub(r"<collision>.*?</collision>", "", robot.xml, flags=re.S))
+    bare = hj.load_robot(path)
+    best = hj.plan(bare, *HIT, joints=[6], certificate=False, surroundings=hj.Surroundings()).best
+    assert best.clearance is None
+    with pytest.raises(hj.ModelError, match="no collision shapes"):
+        hj.plan(bare, *HIT, joints=[6], surroundings=hj.Surroundings(margin=0.01))
