@@ -117,3 +117,20 @@ def test_wrong_contacts_and_threads_are_refused():
         build_kernel(arms.iiwa14(), [])
     with pytest.raises(InputError, match="threads"):
         build_kernel(arms.iiwa14(), CONTACTS)(np.zeros((9, 7)), H, threads=0)
+
+
+@pytest.mark.parametrize("lanes", [1, 2, 4])
+def test_narrower_vectors_give_the_same_numbers(monkeypatch, lanes):
+    """What processors without AVX-512 run."""
+    from hitjoints.kernels import llvm_backend
+
+    model, outputs = arms.iiwa14(), ("inertia", "gradient", "straight_speed")
+    q, h = arms.configurations(model, 37), arms.directions(37)
+    wide = build_kernel(model, [(6, (0.0, 0.0, 0.1))], outputs, "llvm")(q, h)
+    monkeypatch.setattr(llvm_backend, "host_lanes", lambda: lanes)
+    kernel = build_kernel(model, [(6, (0.0, 0.0, 0.1))], outputs, "llvm")
+    assert kernel.runnable.lanes == lanes
+    narrow = kernel(q, h)
+    for name in outputs:
+        scale = np.abs(wide[name]).max()
+        assert np.abs(narrow[name] - wide[name]).max() <= 1e-12 * scale
