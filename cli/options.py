@@ -60,6 +60,24 @@ def triple(text: str, argument: str) -> tuple[float, float, float]:
     return values[0], values[1], values[2]
 
 
+def check_outputs(plot: Path | None, *outputs: tuple[Path | None, str, tuple[str, ...]]) -> None:
+    """Refuse output paths before any work is done for them.
+
+    Args:
+        plot: of the figure, if one is asked for.
+        outputs: other paths, each with its option's name and the endings it may have.
+
+    Raises:
+        InputError: an ending is not one of those, or a path cannot be written to.
+    """
+    from hitjoints.maps.files import check_writable
+    from hitjoints.show.figures import FIGURE_ENDINGS
+
+    for path, argument, endings in (*outputs, (plot, "plot", FIGURE_ENDINGS)):
+        if path is not None:
+            check_writable(path, argument, endings)
+
+
 RobotOption = Annotated[
     str, typer.Option("--robot", metavar="NAME|FILE", help="Built-in name, or a URDF or TOML file.")
 ]

@@ -22,6 +22,7 @@ from .options import (
     RobotOption,
     SeedOption,
     check_mass,
+    check_outputs,
     numbers,
     triple,
 )
@@ -75,17 +76,12 @@ def plan(
 ) -> None:
     """Choose the joint to hit with and its configuration, with evidence (Eq. 8, 14)."""
     from hitjoints.loading import load_robot
-    from hitjoints.maps.files import check_writable, write_whole
+    from hitjoints.maps.files import write_whole
     from hitjoints.planning.plan import plan as make_plan
     from hitjoints.planning.surroundings import Surroundings
 
     check_mass(mass)
-    if out is not None:
-        check_writable(out, "out", (".json",))
-    if plot is not None:
-        from hitjoints.show.figures import FIGURE_ENDINGS
-
-        check_writable(plot, "plot", FIGURE_ENDINGS)
+    check_outputs(plot, (out, "out", (".json",)))
     arm = load_robot(robot)
     size = None if object_size is None else triple(object_size, "object_size")
     around = Surroundings(size, table_height, margin)

@@ -20,6 +20,7 @@ from .options import (
     RobotOption,
     SeedOption,
     check_mass,
+    check_outputs,
     numbers,
     triple,
 )
@@ -96,15 +97,10 @@ def rollout(
     from hitjoints.hitting.hit import Hit
     from hitjoints.hitting.rollout import rollout as roll
     from hitjoints.loading import load_robot
-    from hitjoints.maps.files import DATASET_ENDINGS, check_writable
+    from hitjoints.maps.files import DATASET_ENDINGS
     from hitjoints.robot import Contact
 
-    if out is not None:
-        check_writable(out, "out", DATASET_ENDINGS)
-    if plot is not None:
-        from hitjoints.show.figures import FIGURE_ENDINGS
-
-        check_writable(plot, "plot", FIGURE_ENDINGS)
+    check_outputs(plot, (out, "out", DATASET_ENDINGS))
     asked: dict[str, Any] = {
         "position": None if position is None else triple(position, "object"),
         "direction": None if direction is None else triple(direction, "direction"),

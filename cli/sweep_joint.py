@@ -21,6 +21,7 @@ from .options import (
     RobotOption,
     SeedOption,
     check_mass,
+    check_outputs,
     numbers,
 )
 from .render import complain, print_json, print_table
@@ -47,14 +48,10 @@ def sweep_joint(
 ) -> None:
     """Turn each hitting joint at the object: inertia, speed and flux by its angle (Fig. 2)."""
     import hitjoints as hj
-    from hitjoints.maps.files import DATASET_ENDINGS, check_writable, write_dataset
-    from hitjoints.show.figures import FIGURE_ENDINGS
+    from hitjoints.maps.files import DATASET_ENDINGS, write_dataset
 
     check_mass(mass)
-    if out is not None:
-        check_writable(out, "out", DATASET_ENDINGS)
-    if plot is not None:
-        check_writable(plot, "plot", FIGURE_ENDINGS)
+    check_outputs(plot, (out, "out", DATASET_ENDINGS))
     swept = hj.sweep_joint(
         hj.load_robot(robot),
         numbers(position),

@@ -23,6 +23,7 @@ from .options import (
     RobotOption,
     SeedOption,
     check_mass,
+    check_outputs,
     numbers,
     spaced,
     triple,
@@ -74,20 +75,10 @@ def sweep_workspace(
 ) -> None:
     """Map inertia, speed and flux over a grid of object positions."""
     import hitjoints as hj
-    from hitjoints.maps.files import check_writable, write_dataset
+    from hitjoints.maps.files import write_dataset
 
     check_mass(mass)
-    for path, argument, ending in (
-        (out, "out", ".zarr"),
-        (netcdf, "nc", ".nc"),
-        (csv, "csv", ".csv"),
-    ):
-        if path is not None:
-            check_writable(path, argument, (ending,))
-    if plot is not None:
-        from hitjoints.show.figures import FIGURE_ENDINGS
-
-        check_writable(plot, "plot", FIGURE_ENDINGS)
+    check_outputs(plot, (out, "out", (".zarr",)), (netcdf, "nc", (".nc",)), (csv, "csv", (".csv",)))
     arm = hj.load_robot(robot)
     contact_point = triple(offset, "offset")
     with _progress() as progress:
