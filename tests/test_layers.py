@@ -16,6 +16,7 @@ FLOORS = [
     {"quantities", "programs"},
     {"hitting"},
     {"planning", "maps"},
+    {"evidence"},
     {"show"},
 ]
 FLOOR = {name: i for i, names in enumerate(FLOORS) for name in names}

@@ -1,0 +1,1 @@
+"""Judges of the numbers: a physics engine, recorded hits, the paper."""

@@ -1,0 +1,1 @@
+"""Recorded hits of real arms."""
