@@ -52,12 +52,14 @@ def measure() -> list[Figure]:
 def broken_limits(result: Rollout) -> int:
     """Return how many numbers of a rollout are beyond a limit, by however little."""
     robot, q, qd = result.robot, result.rows["q"], result.rows["qd"]
+    forced = result.parameters["torque_limits"]
+    too_strong = np.abs(result.rows["torque"]) > robot.effort if forced else np.zeros(1)
     beyond = (q < robot.lower) | (q > robot.upper)
     too_fast = (qd < robot.velocity_lower) | (qd > robot.velocity_upper)
-    return int(beyond.sum() + too_fast.sum())
+    return int(beyond.sum() + too_fast.sum() + too_strong.sum())
 
 
-def random_rollouts(count: int, seed: int = 0) -> Iterator[Rollout]:
+def random_rollouts(count: int, seed: int = 0, *, torque_limits: bool = False) -> Iterator[Rollout]:
     """Yield rollouts of three arms from random starts, half of them with joints at a limit."""
     rng = np.random.default_rng(seed)
     robots = [hj.load_robot(name) for name in ("iiwa14", "iiwa7", "panda")]
@@ -76,14 +78,16 @@ def random_rollouts(count: int, seed: int = 0) -> Iterator[Rollout]:
         flux = float(rng.uniform(0.05, 1.0))
         hit = Hit(joint, target, direction, float(rng.uniform(0.3, 5.0)), flux)
         reference: Any = ("optimised", "constant")[i % 2]
-        yield rollout(robot, hit, q0=q0, q_hit=goal, reference=reference)
+        yield rollout(
+            robot, hit, q0=q0, q_hit=goal, reference=reference, torque_limits=torque_limits
+        )
 
 
-def count_violations(count: int) -> dict[str, Any]:
+def count_violations(count: int, *, torque_limits: bool = False) -> dict[str, Any]:
     """Return the violations over random rollouts, and how these ended."""
     begin, ends = time.perf_counter(), Counter[str]()
     violations = steps = braked = 0
-    for result in random_rollouts(count):
+    for result in random_rollouts(count, torque_limits=torque_limits):
         violations += broken_limits(result)
         steps += len(result.rows["q"])
         braked += result.braked_steps
@@ -183,4 +187,5 @@ if __name__ == "__main__":
     for figure in measure():
         print(figure)
     print(count_violations(rollouts))
+    print("with torque limits:", count_violations(rollouts, torque_limits=True))
     print(judge_hits(hits))

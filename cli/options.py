@@ -95,6 +95,10 @@ JointsOption = Annotated[
     list[int] | None,
     typer.Option("--joint", help="Hitting joint; repeat for several. [default: the robot's]"),
 ]
+TorquesOption = Annotated[
+    bool,
+    typer.Option("--torque-limits", help="Keep the effort limits too: start at rest, speed up."),
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")]
 OutOption = Annotated[
     Path | None,

@@ -21,6 +21,7 @@ from .options import (
     PlotOption,
     RobotOption,
     SeedOption,
+    TorquesOption,
     check_mass,
     check_outputs,
     numbers,
@@ -29,9 +30,12 @@ from .options import (
 from .render import complain, print_json, print_table
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from hitjoints.planning.candidates import Candidate
     from hitjoints.planning.plan import Plan
     from hitjoints.planning.start import Start
+    from hitjoints.planning.torque_cost import TorqueCost
 
 
 def plan(
@@ -67,6 +71,7 @@ def plan(
             "--certificate/--no-certificate", help="Bound the inertia by branch and bound."
         ),
     ] = True,
+    torque_limits: TorquesOption = False,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE", help="Write the plan: .json.")
     ] = None,
@@ -98,6 +103,7 @@ def plan(
         certificate=certificate,
         surroundings=around,
         start=True,
+        torque_limits=torque_limits,
     )
     result = planned.as_dict() | {"robot": robot}
     if out is not None:
@@ -138,6 +144,8 @@ def _print(title: str, planned: Plan) -> None:
         _print_room(planned.best)
     if planned.start is not None:
         _print_start(planned.start)
+    if planned.torque_costs:
+        _print_torque_costs(planned.torque_costs)
 
 
 def _print_room(best: Candidate) -> None:
@@ -158,6 +166,25 @@ def _print_start(start: Start) -> None:
         f"start: {start.run_up:.3f} m behind at ({at}) m for {start.speed:.3g} m/s{verdict}\n"
         "q0 = " + ",".join(f"{v:.6g}" for v in start.q)
     )
+
+
+def _print_torque_costs(costs: Sequence[TorqueCost]) -> None:
+    print_table(
+        "flux at these configurations",
+        ("hit with", "straight maximum", "reached", "with torque limits", "cost"),
+        [
+            (f"joint {one.joint}", one.straight_flux, one.flux_without, one.flux_with, _share(one))
+            for one in costs
+        ],
+        caption="m/s; reached: by the controller, from rest, without and with torque limits",
+    )
+
+
+def _share(one: TorqueCost) -> str | None:
+    """Return what torque limits take of the flux reached without them."""
+    if one.flux_without is None or one.flux_with is None:
+        return None
+    return f"{100 * (1 - one.flux_with / one.flux_without):.1f} %"
 
 
 def _row(one: Candidate, best: bool) -> list[object]:

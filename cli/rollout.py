@@ -19,6 +19,7 @@ from .options import (
     PlotOption,
     RobotOption,
     SeedOption,
+    TorquesOption,
     check_mass,
     check_outputs,
     numbers,
@@ -85,6 +86,7 @@ def rollout(
     start: Annotated[
         str | None, typer.Option("--start", metavar="X,Y,Z", help="Start of the contact point.")
     ] = None,
+    torque_limits: TorquesOption = False,
     out: OutOption = None,
     plot: PlotOption = None,
     seed: SeedOption = 0,
@@ -130,11 +132,18 @@ def rollout(
         law=law,  # type: ignore[arg-type]
         weighting=weighting,  # type: ignore[arg-type]
         speed_profile=speed_profile,  # type: ignore[arg-type]
+        torque_limits=torque_limits,
         seed=seed,
     )
     _write(result, out, plot)
     if as_json:
-        print_json({"robot": robot, "joint": contact.joint, "flux": flux} | result.as_dict())
+        asked = {
+            "robot": robot,
+            "joint": contact.joint,
+            "flux": flux,
+            "torque_limits": torque_limits,
+        }
+        print_json(asked | result.as_dict())
     else:
         _print(result)
     for path in (out, plot):
@@ -220,6 +229,7 @@ def _print(result: Rollout) -> None:
     rows += [
         ("steps", f"{result.steps}, {result.saturated_steps} of them saturated", ""),
         ("fastest joint, of its limit", result.velocity_ratio_max, ""),
+        ("greatest torque, of its limit", result.torque_ratio_max, ""),
         ("time of a control step", f"{times['median']:.0f}, 99 %: {times['p99']:.0f}", "us"),
     ]
     joint = result.robot.contact(hit.contact).joint

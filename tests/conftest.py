@@ -1,12 +1,15 @@
 from __future__ import annotations
 
 import json
+import re
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
+from hitjoints.cli import main
 from hitjoints.loading import load_robot
 
 LIMIT = '<limit lower="-1" upper="1" velocity="2" effort="3"/>'
@@ -86,3 +89,35 @@ def arm():
 def hits():
     """Return the recorded hits by name."""
     return {path.stem: json.loads(path.read_text()) for path in sorted(DATA.glob("hits/*.json"))}
+
+
+@dataclass
+class Outcome:
+    code: int
+    out: str
+    err: str
+
+    @property
+    def json(self):
+        # One object on stdout and nothing else.
+        return json.loads(self.out)
+
+    @property
+    def words(self):
+        """What was printed, on one line and without box drawing."""
+        return re.sub(r"\s+", " ", self.out)
+
+
+@pytest.fixture
+def run(capsys):
+    """Run a command line in this process, as the `hitjoints` script does."""
+
+    def call(*arguments: object) -> Outcome:
+        with pytest.raises(SystemExit) as leaving:
+            main([str(argument) for argument in arguments])
+        printed = capsys.readouterr()
+        assert "Traceback" not in printed.err
+        code = leaving.value.code
+        return Outcome(code if isinstance(code, int) else 1, printed.out, printed.err)
+
+    return call

@@ -78,12 +78,13 @@ class Approach:
         except InfeasibleError as error:
             if not self.rows:
                 raise
-            self.reason = f"singular: {error.reason}"
+            singular = "direction" in error.data
+            self.reason = f"singular: {error.reason}" if singular else error.reason
             return False
         self.times.append(time.perf_counter() - begin)
         assert control.last is not None
         self.rows.append((q, control.last))
-        self.q = np.clip(q + control.dt * qd, control.robot.lower, control.robot.upper)
+        self.q = control.follow(q, qd)
         return True
 
     def _strike(self) -> None:

@@ -21,6 +21,7 @@ from hitjoints.hitting.field import RATE, SIGMA, HittingField
 from hitjoints.hitting.hit import Hit, State, observe
 from hitjoints.hitting.laws import LawName, Motion, law_named
 from hitjoints.hitting.posture import most_manipulable
+from hitjoints.hitting.torques import TorqueLimits
 from hitjoints.programs.velocity import reachable_speed
 
 if TYPE_CHECKING:
@@ -93,6 +94,8 @@ class Controller:
             manipulability at the object.
         speed_profile: of the field. "constant" keeps the speed that the flux needs also beside
             the line; Eq. 5 ("paper") slows down there, by 18 % at 2 mm with the default width.
+        torque_limits: keep the robot's effort limits too, so that reaching a speed takes time, and
+            keep able to stop before the position limits. With law="qp" only.
 
     Raises:
         InputError: an argument cannot be used.
@@ -113,6 +116,7 @@ class Controller:
         gains: Gains | None = None,
         posture: ArrayLike | None = None,
         speed_profile: Literal["paper", "constant"] = "constant",
+        torque_limits: bool = False,
     ) -> None:
         if not (math.isfinite(dt) and 0 < dt <= 1.0 / RATE):
             raise InputError("dt", dt, f"a step longer than 0 s and at most {1 / RATE:g} s")
@@ -120,6 +124,8 @@ class Controller:
             raise UnknownNameError("reference", reference, ("constant", "optimised"))
         if not ((robot.velocity_lower <= 0) & (robot.velocity_upper >= 0)).all():
             raise InputError("robot", robot.name, "its velocity limits must allow standing still")
+        if torque_limits and law != "qp":
+            raise InputError("law", law, "torque limits are rows of the law 'qp'")
         self.robot, self.hit, self.dt = robot, hit, float(dt)
         self.contact = robot.contact(hit.contact)
         self.position, self.direction = hit.position, hit.direction
@@ -129,6 +135,7 @@ class Controller:
         self.posture = robot.within_limits(posture, "posture")
         self._field = HittingField(self.position, self.direction, speed_profile=speed_profile)
         self._law = law_named(law, robot.n)
+        self.torques = TorqueLimits(robot, self.dt) if torque_limits else None
         self._desired = DesiredInertia(robot, self.contact, self.direction, self.dt, weighting)
         self._constant: float | None = None
         if reference == "constant":
@@ -170,7 +177,7 @@ class Controller:
             np.minimum(self._upper, (self._high - q) / self.dt),
         )
 
-    def step(self, q: ArrayLike) -> Array:
+    def step(self, q: ArrayLike, qd: ArrayLike | None = None) -> Array:
         """Return the joint velocity (n,) rad/s for the next dt; `last` tells more.
 
         It is within the velocity limits to the last bit, and q + qd dt is within the position
@@ -178,16 +185,23 @@ class Controller:
 
         Args:
             q: (n,) rad, where the arm is.
+            qd: (n,) rad/s, how it moves, which only torque limits need to know; by default as
+                the last step asked, at first not at all.
 
         Raises:
             InputError: q is outside the position limits by more than 1e-6 rad, or not finite.
-            InfeasibleError: the contact cannot move along the direction in this configuration.
+            InfeasibleError: the contact cannot move along the direction in this configuration, or
+                the torque limits leave no motion.
         """
         q = np.asarray(q, dtype=float)
         if q.shape != self._shape or not ((q >= self._low) & (q <= self._high)).all():
             q = self._touching(q)
         state = observe(self.robot, q, self.contact, self.direction)
         lower, upper = self.bounds(q)
+        now, impulses = self._previous if qd is None else self._velocity(qd), None
+        if self.torques is not None:
+            impulses = self.torques.impulses(q, now)
+            lower, upper = self.torques.bounds(q, now, impulses, lower, upper)
         pull = self.direction @ state.J
         wanted, reach = self.hit.speed(state.inertia), reachable_speed(pull, lower, upper)
         out_of_reach = wanted > reach
@@ -195,12 +209,11 @@ class Controller:
         f = self._field(state.position, speed)
         desired = self._constant
         if desired is None:
-            desired = self._desired(q, state, f, pull, speed, out_of_reach, lower, upper)
-        motion = self._law(state.J, f, self._wish(q, state, desired), lower, upper)
-        braked = motion is None
-        if motion is None:
-            slower = np.minimum(np.maximum(BRAKING * self._previous, lower), upper)
-            motion = Motion(slower, 0.0)
+            desired = self._desired(q, state, f, pull, speed, out_of_reach, lower, upper, impulses)
+        motion = self._law(state.J, f, self._wish(q, state, desired), lower, upper, impulses)
+        braked = motion is None or not self._can_stop(q, motion.qd)
+        if motion is None or braked:
+            motion = Motion(self.slower(q, now), 0.0)
         self._previous = motion.qd
         along = float(pull @ motion.qd)
         self.last = Step(
@@ -215,6 +228,31 @@ class Controller:
             braked,
         )
         return motion.qd
+
+    def slower(self, q: Array, qd: Array, share: float = BRAKING) -> Array:
+        """Return the joint velocity (n,) rad/s of a step that slows the arm down.
+
+        Args:
+            q: (n,) rad. qd: (n,) rad/s, of the step before.
+            share: of qd that is left, or less where limits demand it.
+        """
+        if self.torques is not None:
+            return self.torques.slower(q, qd, share)
+        lower, upper = self.bounds(q)
+        return np.minimum(np.maximum(share * qd, lower), upper)
+
+    def follow(self, q: Array, qd: Array) -> Array:
+        """Return the configuration (n,) rad after a step at qd (n,) rad/s from q (n,) rad."""
+        return np.clip(q + self.dt * qd, self._low, self._high)
+
+    def _can_stop(self, q: Array, qd: Array) -> bool:
+        return self.torques is None or self.torques.can_stop(self.follow(q, qd), qd)
+
+    def _velocity(self, qd: ArrayLike) -> Array:
+        array = np.asarray(qd, dtype=float)
+        if array.shape != self._shape or not np.isfinite(array).all():
+            raise InputError("qd", array.tolist(), f"{self._shape[0]} finite joint velocities")
+        return array
 
     def _touching(self, q: Array) -> Array:
         """Return q on the limits it exceeds by no more than `TOUCH`, and refuse any other."""

@@ -8,7 +8,14 @@ import numpy as np
 
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.errors import InfeasibleError, UnknownNameError
-from hitjoints.programs.velocity import RHO, WITHIN_REACH, flux_terms, gradient_weights
+from hitjoints.programs.torques import Impulses, with_impulses
+from hitjoints.programs.velocity import (
+    RHO,
+    WITHIN_REACH,
+    flux_terms,
+    gradient_weights,
+    most_flux_terms,
+)
 from hitjoints.programs.warm import WarmProgram
 
 if TYPE_CHECKING:
@@ -20,6 +27,8 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 Weighting = Literal["identity", "gradient"]
+BACKWARDS = -10.0
+"""Share of the desired flux, a bound of how far from it the motors may keep a step."""
 
 
 class DesiredInertia:
@@ -43,6 +52,7 @@ class DesiredInertia:
         self._robot, self._contact, self._direction, self._dt = robot, contact, direction, dt
         self._by_gradient, self._ones = weighting == "gradient", np.ones(robot.n)
         self._program = WarmProgram(robot.n, 1)
+        self._limited = WarmProgram(2 * robot.n + 1, 1 + robot.n)  # qd, t, p
 
     def __call__(
         self,
@@ -54,6 +64,7 @@ class DesiredInertia:
         saturated: bool,
         lower: Array,
         upper: Array,
+        impulses: Impulses | None = None,
     ) -> float:
         """Return lambda*, kg; the present inertia if Eq. 12 has no certified answer.
 
@@ -62,14 +73,23 @@ class DesiredInertia:
             speed: m/s that has the desired flux, or the greatest within the bounds.
             saturated: it is the latter.
             lower, upper: (n,) rad/s.
+            impulses: what the motors can do, if that is limited: then the flux row asks for as
+                much of the flux as they can give within the step.
         """
         weights = gradient_weights(state.gradient) if self._by_gradient else self._ones
         asked = WITHIN_REACH * speed if saturated else speed
-        terms = flux_terms(state.J, f, pull, asked, weights, RHO)
-        qd = self._program.solve(*terms, lower, upper)
-        if qd is None:
+        if impulses is None:
+            terms = flux_terms(state.J, f, pull, asked, weights, RHO)
+            x = self._program.solve(*terms, lower, upper)
+        else:
+            terms = most_flux_terms(state.J, f, pull, asked, weights, RHO)
+            low = np.concatenate((lower, [BACKWARDS], -impulses.limit))
+            high = np.concatenate((upper, [1.0], impulses.limit))
+            x = self._limited.solve(*with_impulses(terms, impulses), low, high)
+        if x is None:
             return state.inertia
+        following = q + self._dt * x[: q.size]
         try:
-            return inertia_along(self._robot, q + self._dt * qd, self._contact, self._direction)
+            return inertia_along(self._robot, following, self._contact, self._direction)
         except InfeasibleError:
             return state.inertia

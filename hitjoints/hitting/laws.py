@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol
 import numpy as np
 
 from hitjoints.errors import UnknownNameError
+from hitjoints.programs.torques import Impulses, with_impulses, with_slack
 from hitjoints.programs.velocity import PROGRESS, following_terms, least_norm
 from hitjoints.programs.warm import ROWS, WarmProgram
 
@@ -16,10 +17,17 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 LawName = Literal["qp", "paper"]
+ASTRAY = 1e7
+"""Cost of leaving the field's direction, (rad/s)^2 per (m/s)^2: motors may leave no other way."""
+FASTEST_ASTRAY = 100.0
+"""m/s, a bound of that which is never met."""
 
 
 class Motion(NamedTuple):
-    """A joint velocity (n,) rad/s within its bounds, and s in [0, 1]: J qd = s f."""
+    """A joint velocity (n,) rad/s within its bounds, and s in [0, 1]: J qd = s f.
+
+    With torque limits J qd = s f + e, e as small as they let it be.
+    """
 
     qd: Array
     scaling: float
@@ -29,13 +37,20 @@ class Law(Protocol):
     """Chooses the joint velocity of a step."""
 
     def __call__(
-        self, J: Array, f: Array, posture: Array, lower: Array, upper: Array
+        self,
+        J: Array,
+        f: Array,
+        posture: Array,
+        lower: Array,
+        upper: Array,
+        impulses: Impulses | None = None,
     ) -> Motion | None:
         """Return the motion, or None if there is no certified one.
 
         Args:
             J: (3, n) m/rad. f: (3,) m/s, the field. posture: (n,) rad/s, wanted besides.
             lower, upper: (n,) rad/s, with lower <= 0 <= upper.
+            impulses: what the motors can do, if that is limited.
         """
         ...
 
@@ -60,10 +75,18 @@ class QpLaw:
 
     def __init__(self, n: int) -> None:
         self._program = WarmProgram(n + 1, 3)
+        self._limited = WarmProgram(n + 1 + 3 + n, 3 + n)  # qd, s, e, p
         self._lower, self._upper = np.zeros(n + 1), np.ones(n + 1)
+        self._slack = np.full(3, FASTEST_ASTRAY)
 
     def __call__(
-        self, J: Array, f: Array, posture: Array, lower: Array, upper: Array
+        self,
+        J: Array,
+        f: Array,
+        posture: Array,
+        lower: Array,
+        upper: Array,
+        impulses: Impulses | None = None,
     ) -> Motion | None:
         """Return the motion; see `Law`."""
         qd, pushed = _unbounded(J, f, posture)
@@ -72,15 +95,34 @@ class QpLaw:
             and (qd <= upper).all()
             and float(qd @ pushed) <= PROGRESS - 1.0  # the multiplier of s <= 1 is not negative
             and np.abs(J @ qd - f).max() <= ROWS
+            and (impulses is None or impulses.allow(qd))
         ):
             return Motion(qd, 1.0)
         self._lower[:-1], self._upper[:-1] = lower, upper
-        x = self._program.solve(*following_terms(J, f, posture), self._lower, self._upper)
-        return None if x is None else Motion(x[:-1], float(x[-1]))
+        terms, n = following_terms(J, f, posture), posture.size
+        if impulses is None:
+            x = self._program.solve(*terms, self._lower, self._upper)
+        else:
+            terms = with_impulses(with_slack(terms, 3, ASTRAY), impulses)
+            low = np.concatenate((self._lower, -self._slack, -impulses.limit))
+            high = np.concatenate((self._upper, self._slack, impulses.limit))
+            x = self._limited.solve(*terms, low, high)
+        return None if x is None else Motion(x[:n], float(x[n]))
 
 
-def paper_law(J: Array, f: Array, posture: Array, lower: Array, upper: Array) -> Motion:
-    """Return Eq. 7 as printed, all joints scaled by one factor into the bounds; see `Law`."""
+def paper_law(
+    J: Array,
+    f: Array,
+    posture: Array,
+    lower: Array,
+    upper: Array,
+    impulses: Impulses | None = None,
+) -> Motion:
+    """Return Eq. 7 as printed, all joints scaled by one factor into the bounds; see `Law`.
+
+    It knows no torques: no scaling of it is sure to have any within the limits.
+    """
+    assert impulses is None
     qd = _unbounded(J, f, posture)[0]
     limit = np.where(qd > 0, upper, lower)
     moving = qd != 0

@@ -42,6 +42,7 @@ def prepare(
     start: ArrayLike | None = None,
     q_hit: ArrayLike | None = None,
     run_up: float | None = None,
+    torque_limits: bool = False,
     seed: int = 0,
 ) -> Preparation:
     """Find what is not given: a hitting configuration that has the flux, and a start behind it.
@@ -52,7 +53,9 @@ def prepare(
         q0: (n,) rad, where the motion starts.
         start: (3,) m, where the contact starts; not together with q0.
         q_hit: (n,) rad, the hitting configuration, such as a plan's.
-        run_up: m, along the direction; what the field needs by default.
+        run_up: m, along the direction; what the field needs by default, and with torque limits
+            the motors.
+        torque_limits: a planned start has the way that the motors need to reach the speed.
         seed: of the samples.
 
     Raises:
@@ -68,7 +71,7 @@ def prepare(
         end = _placed(robot, contact, target, begin) if q_hit is None else q_hit
         return Preparation(_behind(robot, hit, begin, "q0"), _at_object(robot, hit, end))
     if q_hit is None:
-        q_hit, found = _planned(robot, hit, run_up, seed)
+        q_hit, found = _planned(robot, hit, run_up, torque_limits, seed)
         if start is None:
             return Preparation(found.q, q_hit)
     q_hit = _at_object(robot, hit, q_hit)
@@ -76,10 +79,15 @@ def prepare(
         begin = _placed(robot, contact, points(start, "start"), q_hit)
         return Preparation(_behind(robot, hit, begin, "start"), q_hit)
     _refuse_flux(robot, hit, q_hit)
-    return Preparation(_run_up(robot, hit, q_hit, run_up).q, q_hit)
+    found = _start(robot, hit, q_hit, run_up, torque_limits)
+    if not found.feasible:
+        raise InfeasibleError(found.reason, {"run_up": found.run_up})
+    return Preparation(found.q, q_hit)
 
 
-def _planned(robot: Robot, hit: Hit, run_up: float | None, seed: int) -> tuple[Array, Start]:
+def _planned(
+    robot: Robot, hit: Hit, run_up: float | None, torque_limits: bool, seed: int
+) -> tuple[Array, Start]:
     """Return the hitting configuration of greatest straight flux that has a run-up, and that."""
     # The planner is a floor above; a rollout without a start is the one that asks it for one.
     from hitjoints.planning.plan import plan
@@ -89,7 +97,7 @@ def _planned(robot: Robot, hit: Hit, run_up: float | None, seed: int) -> tuple[A
     def has_run_up(q: Array) -> bool:
         if not starts:
             _refuse_flux(robot, hit, q)  # the first is the best: none has more
-        starts.append(_start(robot, hit, q, run_up))
+        starts.append(_start(robot, hit, q, run_up, torque_limits))
         return starts[-1].feasible or len(starts) >= TRIES
 
     planned = plan(
@@ -112,19 +120,12 @@ def _planned(robot: Robot, hit: Hit, run_up: float | None, seed: int) -> tuple[A
     return best.q, starts[-1]
 
 
-def _start(robot: Robot, hit: Hit, q: Array, run_up: float | None) -> Start:
+def _start(robot: Robot, hit: Hit, q: Array, run_up: float | None, torque_limits: bool) -> Start:
     from hitjoints.planning.start import plan_start
 
     contact, h = robot.contact(hit.contact), hit.direction
     speed = hit.speed(inertia_along(robot, q, contact, h))
-    return plan_start(robot, q, contact, h, speed, run_up=run_up)
-
-
-def _run_up(robot: Robot, hit: Hit, q: Array, run_up: float | None) -> Start:
-    found = _start(robot, hit, q, run_up)
-    if not found.feasible:
-        raise InfeasibleError(found.reason, {"run_up": found.run_up})
-    return found
+    return plan_start(robot, q, contact, h, speed, run_up=run_up, torque_limits=torque_limits)
 
 
 def _refuse_flux(robot: Robot, hit: Hit, q: Array) -> None:

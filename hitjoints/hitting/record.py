@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -20,6 +21,11 @@ if TYPE_CHECKING:
 VARIABLES = {
     "q": ("rad", "joint positions (m for a prismatic joint)", ("axis",)),
     "qd": ("rad/s", "joint velocities from here to the next row", ("axis",)),
+    "torque": (
+        "N m",
+        "joint torques that reach qd from the row before, at first from rest",
+        ("axis",),
+    ),
     "position": ("m", "contact point, robot base frame", ("coordinate",)),
     "inertia": ("kg", "directional inertia along the hitting direction", ()),
     "desired_inertia": ("kg", "directional inertia aimed for (Eq. 13)", ()),
@@ -102,6 +108,18 @@ class Rollout:
         q = self.rows["q"]
         return float(np.maximum(self.robot.lower - q, q - self.robot.upper).max(initial=0.0))
 
+    @property
+    def torque_ratio_max(self) -> float:
+        """Greatest |torque| in units of its limit; nan if the robot has no effort limits.
+
+        Without torque limits the arm is thought to reach any velocity within a step, whatever that
+        takes: this says what.
+        """
+        effort = self.robot.effort
+        told = np.isfinite(effort) & (effort > 0)
+        ratios = np.abs(self.rows["torque"][:, told]) / effort[told]
+        return float(ratios.max()) if told.any() else math.nan
+
     @cached_property
     def dataset(self) -> Dataset:
         """One row per step, until the arm rests after the impact; the same for the same input."""
@@ -149,6 +167,7 @@ class Rollout:
             "braked_steps": self.braked_steps,
             "velocity_ratio_max": self.velocity_ratio_max,
             "position_violation_max": self.position_violation_max,
+            "torque_ratio_max": self.torque_ratio_max,
             "step_time_us": {
                 "median": 1e6 * float(np.median(times)),
                 "p99": 1e6 * float(np.percentile(times, 99)),

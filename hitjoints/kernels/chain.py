@@ -191,7 +191,8 @@ def _joint_axes(model: pin.Model) -> tuple[list[Array], list[bool]]:
     axes: list[Array] = []
     prismatic: list[bool] = []
     for i in range(n):
-        column = pin.getJointJacobian(model, data, i + 1, pin.LOCAL)[:, i]
+        jac = pin.getJointJacobian(model, data, i + 1, pin.LOCAL)
+        column = np.asarray(jac).reshape(6, n)[:, i]  # one joint's comes as a vector
         slides, turns = np.linalg.norm(column[:3]), np.linalg.norm(column[3:])
         if not (abs(slides + turns - 1.0) < 1e-9 and min(slides, turns) == 0.0):
             name = model.names[i + 1]

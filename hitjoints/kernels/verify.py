@@ -66,7 +66,8 @@ class Reference:
         pin.computeJointJacobians(model, data, q)
         pose = data.oMi[joint]
         arm = pose.rotation @ offset
-        J = pin.getJointJacobian(model, data, joint, pin.LOCAL_WORLD_ALIGNED)
+        # Pinocchio gives the single column of a one-joint arm as a vector, and the derivative too.
+        J = pin.getJointJacobian(model, data, joint, pin.LOCAL_WORLD_ALIGNED).reshape(6, model.nv)
         J = J[:3] - np.cross(arm, J[3:], axisb=0, axisc=0)
         g = J.T @ h
         pin.cholesky.decompose(model, data)
@@ -76,7 +77,7 @@ class Reference:
         pin.computeForwardKinematicsDerivatives(model, data, q, u, still)
         dv = pin.getPointVelocityDerivatives(
             model, data, joint, pin.SE3(np.eye(3), offset), pin.LOCAL_WORLD_ALIGNED
-        )[0]
+        )[0].reshape(3, model.nv)
         # The difference of two calls leaves d(M u)/dq: gravity cancels.
         dMu = pin.computeRNEADerivatives(model, data, q, still, u)[0].copy()
         dMu -= pin.computeRNEADerivatives(model, data, q, still, still)[0]

@@ -73,8 +73,9 @@ def _write_netcdf(dataset: Dataset, path: Path) -> None:
 
     with h5netcdf.File(path, "w") as file:
         file.dimensions = dict(dataset.sizes)
-        for key, value in dataset.attrs.items():
-            # NetCDF attributes are flat; a nested one is kept as text.
+        for key, said in dataset.attrs.items():
+            # NetCDF attributes are flat and have no booleans; a nested one is kept as text.
+            value = int(said) if isinstance(said, bool) else said
             parts = value if isinstance(value, list) else [value]
             flat = all(isinstance(part, (str, int, float)) for part in parts)
             file.attrs[key] = value if flat else str(value)

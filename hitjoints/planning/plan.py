@@ -16,6 +16,7 @@ from hitjoints.planning.joint_plan import plan_joint
 from hitjoints.planning.objectives import OBJECTIVES, Hit
 from hitjoints.planning.start import Start, fastest_start, plan_start
 from hitjoints.planning.surroundings import Surroundings
+from hitjoints.planning.torque_cost import TorqueCost, torque_cost
 from hitjoints.vectors import points, unit
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ class Plan:
         best: None if no joint can do it.
         candidates: in the order of the joints asked for.
         start: of the best hit, if it was asked for.
+        torque_costs: of every candidate that can do it, if torque limits were asked for.
     """
 
     robot: str
@@ -56,6 +58,7 @@ class Plan:
     best: Candidate | None
     candidates: tuple[Candidate, ...]
     start: Start | None = None
+    torque_costs: tuple[TorqueCost, ...] = ()
 
     @property
     def summary(self) -> str:
@@ -82,6 +85,7 @@ class Plan:
             "best": None if self.best is None else self.best.as_dict(),
             "candidates": [one.as_dict() for one in self.candidates],
             "start": None if self.start is None else self.start.as_dict(),
+            "torque_costs": [one.as_dict() for one in self.torque_costs],
         }
 
 
@@ -100,6 +104,7 @@ def plan(
     surroundings: Surroundings | None = None,
     start: bool = False,
     hints: Mapping[int, ArrayLike] | None = None,
+    torque_limits: bool = False,
 ) -> Plan:
     """Choose the joint and the configuration for a hit.
 
@@ -123,6 +128,8 @@ def plan(
         hints: configurations (M, n) rad by joint to search from as well, with the contact at the
             object, such as `Feasibility.propose` gives; not used when there is a `flux`.
         start: plan the start of the best hit too: for `flux`, or the fastest there is.
+        torque_limits: the start is one from rest, with the way that the motors need; and for every
+            joint find what torque limits cost.
 
     Returns:
         A candidate per joint, feasible or with the reason why not, and the best.
@@ -162,8 +169,13 @@ def plan(
     begin = None
     if start and best is not None:
         chosen = next(hit for hit in hits if hit.contact.joint == best.joint)
-        begin = _start(chosen, best, flux)
-    return Plan(robot.name, target, h, float(mass), objective, flux, best, candidates, begin)
+        begin = _start(chosen, best, flux, torque_limits)
+    costs = tuple(
+        torque_cost(robot, one.q, hit.contact, h, mass)
+        for one, hit in zip(candidates, hits, strict=True)
+        if torque_limits and one.q is not None
+    )
+    return Plan(robot.name, target, h, float(mass), objective, flux, best, candidates, begin, costs)
 
 
 def _demands(
@@ -180,14 +192,18 @@ def _demands(
     return both
 
 
-def _start(hit: Hit, best: Candidate, flux: float | None) -> Start:
+def _start(hit: Hit, best: Candidate, flux: float | None, torque_limits: bool) -> Start:
     """Return the start of the best hit."""
     assert best.q is not None
     assert best.inertia is not None
     if flux is None:
-        return fastest_start(hit.robot, best.q, hit.contact, hit.direction)
+        return fastest_start(
+            hit.robot, best.q, hit.contact, hit.direction, torque_limits=torque_limits
+        )
     speed = required_speed(best.inertia, hit.mass, flux)
-    return plan_start(hit.robot, best.q, hit.contact, hit.direction, speed)
+    return plan_start(
+        hit.robot, best.q, hit.contact, hit.direction, speed, torque_limits=torque_limits
+    )
 
 
 def _compare(

@@ -11,6 +11,7 @@ import numpy as np
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InfeasibleError, InputError, SolverError
 from hitjoints.hitting.field import HittingField
+from hitjoints.planning.acceleration import accelerated
 from hitjoints.programs.problem import Program
 from hitjoints.programs.proxqp import solve
 from hitjoints.programs.speed import solve_hitting_speed, step_bounds
@@ -49,7 +50,8 @@ class Start:
         position: (3,) m, of the contact there.
         speed: m/s, of the contact at the hit, along the direction.
         run_up: m, from there to the hit; shorter than asked for when not feasible.
-        path: (S, n) rad, evenly timed, to the hitting configuration, within the limits.
+        path: (S, n) rad, within the limits: to the hitting configuration, evenly timed; or, with
+            torque limits, as the controller runs it, to the impact.
         times: (S,) s, from 0.
         lateral_miss: m, by how much the field misses when the contact starts `lateral` aside.
         velocity_ratio_max: greatest |qd| of the path in units of its limit, at most 1.
@@ -84,6 +86,7 @@ def plan_start(
     run_up: float | None = None,
     lateral: float = 0.0,
     dt: float = 0.005,
+    torque_limits: bool = False,
 ) -> Start:
     """Plan where a hit starts, by moving back from the hitting configuration along the line.
 
@@ -101,10 +104,13 @@ def plan_start(
             `lateral` (at least 1 cm) below 2 mm.
         lateral: m, how far from the line the contact may be at the start, >= 0.
         dt: s, longest time between rows of the path.
+        torque_limits: start at rest, far enough back for the motors to reach the speed.
 
     Raises:
         InputError: an argument cannot be used.
     """
+    if torque_limits:
+        return _from_rest(robot, q, contact, direction, speed, run_up, lateral, dt)
     h, here = unit(direction), position(robot, q, contact)
     speed, dt = _positive("speed", speed), _positive("dt", dt)
     if not (math.isfinite(lateral) and lateral >= 0):
@@ -137,8 +143,33 @@ def plan_start(
     )
 
 
+def _from_rest(
+    robot: Robot,
+    q: ArrayLike,
+    contact: Contact | int,
+    direction: ArrayLike,
+    speed: float,
+    run_up: float | None,
+    lateral: float,
+    dt: float,
+) -> Start:
+    def kinematic(run_up: float | None) -> Start:
+        return plan_start(
+            robot, q, contact, direction, speed, run_up=run_up, lateral=lateral, dt=dt
+        )
+
+    first = kinematic(run_up)
+    longer = kinematic if run_up is None else None
+    return accelerated(robot, robot.contact(contact), unit(direction), first, longer, SETTLED)
+
+
 def fastest_start(
-    robot: Robot, q: ArrayLike, contact: Contact | int, direction: ArrayLike
+    robot: Robot,
+    q: ArrayLike,
+    contact: Contact | int,
+    direction: ArrayLike,
+    *,
+    torque_limits: bool = False,
 ) -> Start:
     """Plan the start of the fastest straight hit whose run-up is feasible.
 
@@ -154,7 +185,7 @@ def fastest_start(
     if not top > 0:
         raise InfeasibleError(f"joint {contact.joint} cannot move straight along the direction")
     for share in SHARES:
-        start = plan_start(robot, q, contact, h, share * top)
+        start = plan_start(robot, q, contact, h, share * top, torque_limits=torque_limits)
         if start.feasible:
             break
     return start

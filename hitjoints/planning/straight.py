@@ -45,8 +45,10 @@ def straight_velocities(pull: Array, across: Array, lower: Array, upper: Array) 
     ) * scale[:, :, None]  # fmt: skip
     reduced = pull[:, None, :] + mu @ across
     dual = np.maximum(reduced * upper, reduced * lower).sum(axis=2)
-    best = np.argmin(np.where(usable, dual, np.inf), axis=1)
-    chosen = reduced[np.arange(rows), best]
+    chosen = pull
+    if len(pairs):  # a single joint balances nothing
+        best = np.argmin(np.where(usable, dual, np.inf), axis=1)
+        chosen = reduced[np.arange(rows), best]
     size = np.abs(pull).max(axis=1, initial=0.0, keepdims=True)
     balancing = np.abs(chosen) <= LEVEL * size
     qd = np.where(chosen > 0, upper, lower)

@@ -100,6 +100,23 @@ def flux_terms(
     return Terms(H, -(f @ J + small * least_norm(J, f)), pull[None, :], np.array([speed]))
 
 
+def most_flux_terms(
+    J: Matrix, f: Vector, pull: Vector, speed: float, weights: Vector, rho: float
+) -> Terms:
+    """Return Eq. 12 with a flux row that asks for as much of the speed as other rows leave.
+
+    The row is h^T J qd = t speed, and -PROGRESS t + t^2 / 2 is added to the cost; variables
+    (qd, t), with t <= 1. Whatever part is within reach is reached: PROGRESS exceeds what the
+    other terms gain, (m/s)^2, by missing it.
+    """
+    n = weights.size
+    terms = flux_terms(J, f, pull, 0.0, weights, rho)
+    H = np.zeros((n + 1, n + 1))
+    H[:n, :n], H[n, n] = terms.H, 1.0
+    A = np.append(terms.A, [[-speed]], axis=1)
+    return Terms(H, np.append(terms.c, -PROGRESS), A, terms.b)
+
+
 def following_terms(J: Matrix, f: Vector, posture: Vector) -> Terms:
     """Return |qd - posture|^2 / 2 - PROGRESS s + s^2 / 2 under J qd = s f; variables (qd, s).
 

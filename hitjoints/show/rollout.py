@@ -16,16 +16,20 @@ if TYPE_CHECKING:
 
 
 def draw_rollout(result: Rollout) -> Figure:
-    """Return the figure of a rollout, four graphs along time with the impact marked."""
+    """Return the figure of a rollout: graphs along time with the impact marked.
+
+    A rollout with torque limits has two more, of the torques and of the room they need to brake.
+    """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(10, 6.5), layout="constrained")
-    axes = figure.subplots(2, 2, sharex=True)
-    rows, hit = result.rows, result.hit
+    rows, hit, robot = result.rows, result.hit, result.robot
+    forced = result.parameters["torque_limits"]
+    figure = Figure(figsize=(14 if forced else 10, 6.5), layout="constrained")
+    axes = figure.subplots(2, 3 if forced else 2, sharex=True)
     time = result.dt * np.arange(len(rows["q"]))
-    joint = result.robot.contact(hit.contact).joint
+    joint = robot.contact(hit.contact).joint
     colour = colour_of(joint)
-    inertia, speed, line, joints = axes.flat
+    (inertia, speed), (line, joints) = axes[:, :2]
     inertia.plot(time, rows["inertia"], color=colour, label=r"$\lambda$")
     inertia.plot(time, rows["desired_inertia"], "k--", lw=1, label=r"desired $\lambda^*$")
     inertia.set_ylabel("inertia (kg)")
@@ -37,8 +41,15 @@ def draw_rollout(result: Rollout) -> Figure:
     ahead = offset @ hit.direction
     line.plot(time, 1e3 * np.linalg.norm(offset - np.outer(ahead, hit.direction), axis=1), "k")
     line.set_ylabel("distance from the line (mm)")
-    _draw_margins(joints, result, time)
-    for axis in (line, joints):
+    limit = np.where(rows["qd"] > 0, robot.velocity_upper, -robot.velocity_lower)
+    _draw_shares(joints, time, rows["qd"], limit, "joint velocity / limit")
+    if forced:
+        torque, room = axes[:, 2]
+        _draw_shares(torque, time, rows["torque"], robot.effort, "joint torque / limit")
+        room.plot(time, rows["position_margin"].min(axis=1), "k")
+        room.set_ylabel("nearest position limit (rad)")
+        room.set_ylim(bottom=0)
+    for axis in axes[1]:
         axis.set_xlabel("time (s)")
     for axis in axes.flat:
         axis.spines[["top", "right"]].set_visible(False)
@@ -50,18 +61,19 @@ def draw_rollout(result: Rollout) -> Figure:
     along = ", ".join(f"{value:.3g}" for value in hit.direction)
     verdict = result.reason or "impact marked in grey"
     figure.suptitle(
-        f"{result.robot.name}, joint {joint}: {hit.mass:g} kg at ({at}) m along ({along}); "
-        f"{verdict}",
+        f"{robot.name}, joint {joint}: {hit.mass:g} kg at ({at}) m along ({along}); {verdict}",
         fontsize="medium",
     )
     return figure
 
 
-def _draw_margins(axis: Axes, result: Rollout, time: np.ndarray) -> None:
-    robot, qd = result.robot, result.rows["qd"]
-    limit = np.where(qd > 0, robot.velocity_upper, -robot.velocity_lower)
-    share = np.divide(qd, limit, out=np.zeros_like(qd), where=limit > 0)
-    for i in range(robot.n):
-        axis.plot(time, share[:, i], color=COLOURS[i % len(COLOURS)], lw=1, label=f"{i + 1}")
-    axis.set_ylabel("joint velocity / limit")
+def _draw_shares(
+    axis: Axes, time: np.ndarray, values: np.ndarray, limit: np.ndarray, label: str
+) -> None:
+    """Draw a curve per joint, in units of its limit."""
+    limit = np.broadcast_to(limit, values.shape)
+    share = np.divide(values, limit, out=np.zeros_like(values), where=limit > 0)
+    for i, curve in enumerate(share.T):
+        axis.plot(time, curve, color=COLOURS[i % len(COLOURS)], lw=1, label=f"{i + 1}")
+    axis.set_ylabel(label)
     axis.set_ylim(-1.05, 1.05)

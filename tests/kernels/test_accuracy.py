@@ -45,8 +45,14 @@ def test_random_chains_agree_with_pinocchio(seed):
     compare(model, (model.nv, (0.05, -0.03, 0.08)), 1000, ("llvm", "numpy")[seed % 2])
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_arms_of_one_joint_agree_with_pinocchio(seed):
+    model = arms.random_chain(seed, 1)
+    compare(model, (1, (0.05, -0.03, 0.08)), 100, ("llvm", "numpy")[seed % 2])
+
+
 @settings(max_examples=40, deadline=None, derandomize=True)
-@given(seed=st.integers(100, 10_000), joints=st.integers(2, 12), prismatic=st.floats(0.0, 1.0))
+@given(seed=st.integers(100, 10_000), joints=st.integers(1, 12), prismatic=st.floats(0.0, 1.0))
 def test_normalising_and_regrouping_keep_the_mass_matrix(seed, joints, prismatic):
     model = arms.random_chain(seed, joints, prismatic)
     q = arms.configurations(model, 1, seed)[0]

@@ -1,0 +1,170 @@
+"""Torque limits on the way: what a step may change, and that the arm can always stop in time.
+
+A motion within all limits now may leave no way to stay within them later: an arm that runs at a
+position limit faster than its motors can stop it. So a step is taken only to a state from which
+the arm can slow down to rest within torques and positions: from there another step is left, if
+only the first of that way.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+
+from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.programs.torques import Impulses
+from hitjoints.programs.warm import ROWS
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from hitjoints.robot import Robot
+
+    Array = NDArray[np.float64]
+
+RESERVE = 0.05
+"""Share of the effort limits that a way to stop leaves unused: it is checked at three points."""
+LEAST = 0.05
+"""Share of an effort limit that counts as left for braking, however much a motion takes."""
+FORESIGHT = 0.8
+"""Share of the present decelerations reckoned with for what comes: they change on the way."""
+
+
+class TorqueLimits:
+    """The effort limits of an arm that is commanded every dt.
+
+    Args:
+        robot: the arm.
+        dt: s.
+
+    Raises:
+        InputError: an effort limit is zero or not finite: the URDF does not tell it.
+    """
+
+    def __init__(self, robot: Robot, dt: float) -> None:
+        for i in np.flatnonzero(~(np.isfinite(robot.effort) & (robot.effort > 0))):
+            expected = "torque limits need finite effort limits above 0 N m for every joint"
+            raise InputError("robot", f"{robot.name}, joint {i + 1}: {robot.effort[i]}", expected)
+        self._robot, self._dt = robot, dt
+        # A certified answer may miss a row by ROWS; the limit holds all the same.
+        whole = dt * robot.effort
+        self._limit = whole - np.minimum(2 * ROWS, RESERVE * whole)
+        self._stop = np.zeros(robot.n)
+        self._fastest = np.maximum(robot.velocity_upper, -robot.velocity_lower)
+
+    def check_start(self, q: Array) -> None:
+        """Refuse a configuration (n,) rad that the motors cannot hold.
+
+        Raises:
+            InfeasibleError: gravity asks for more than a joint's effort limit.
+        """
+        robot = self._robot
+        gravity = pin.computeGeneralizedGravity(robot.model, robot.data, q)
+        for i in np.flatnonzero(np.abs(gravity) > (1 - RESERVE) * robot.effort):
+            raise InfeasibleError(
+                f"gravity asks {abs(gravity[i]):.3g} N m of joint {i + 1} at the start, of "
+                f"{robot.effort[i]:g} N m",
+                {"joint": int(i) + 1, "torque": float(gravity[i])},
+            )
+
+    def impulses(self, q: Array, qd: Array) -> Impulses:
+        """Return what the next step may change, at q (n,) rad and qd (n,) rad/s."""
+        model, data = self._robot.model, self._robot.data
+        M = np.array(pin.crba(model, data, q))
+        return Impulses(
+            M, self._dt * pin.nonLinearEffects(model, data, q, qd) - M @ qd, self._limit
+        )
+
+    def bounds(
+        self, q: Array, qd: Array, impulses: Impulses, lower: Array, upper: Array
+    ) -> tuple[Array, Array]:
+        """Tighten the velocity bounds (n,) of a step so that joints can stop at their limits.
+
+        No bound asks for more than the deceleration it reckons with.
+        """
+        robot, dt = self._robot, self._dt
+        effects = np.abs(impulses.b + impulses.M @ qd) / dt
+        left = np.maximum(robot.effort - effects, LEAST * robot.effort)
+        rates = FORESIGHT * self._rates(impulses.M, left)
+        most = stopping_speed(robot.upper - q, rates, dt)
+        least = -stopping_speed(q - robot.lower, rates, dt)
+        return (
+            np.maximum(lower, np.minimum(least, qd + rates * dt)),
+            np.minimum(upper, np.maximum(most, qd - rates * dt)),
+        )
+
+    def can_stop(self, q: Array, qd: Array) -> bool:
+        """Tell whether there is a way from here to rest within the limits, and remember it.
+
+        Every joint slows down evenly, at the rates that all have together. The torque is checked
+        at the beginning, halfway and at the end; on the way it is between these but for a
+        curvature that `RESERVE` is for.
+        """
+        robot, dt = self._robot, self._dt
+        left = (1.0 - RESERVE) * robot.effort - np.abs(self._effects(q, qd))
+        if not (left > 0).all():
+            return False
+        rates = self._rates(self._mass(q), left)
+        size, sign = np.abs(qd), np.sign(qd)
+        steps = np.floor(size / (rates * dt))
+        end = q + sign * dt * steps * (size - rates * dt * (steps + 1.0) / 2.0)
+        if ((end < robot.lower) | (end > robot.upper)).any():
+            return False
+        last = float((size / rates).max())
+        for time in (0.5 * last, last):
+            passed = np.minimum(time, size / rates)
+            state = (
+                q + sign * (size * passed - rates * passed**2 / 2.0),
+                sign * np.maximum(size - rates * time, 0.0),
+                np.where(passed >= time, -sign * rates, 0.0),
+            )
+            if (np.abs(pin.rnea(robot.model, robot.data, *state)) > robot.effort).any():
+                return False
+        self._stop = rates
+        return True
+
+    def slower(self, q: Array, qd: Array, share: float) -> Array:
+        """Return the velocity (n,) after a step of slowing down.
+
+        Args:
+            q: (n,) rad. qd: (n,) rad/s.
+            share: of qd that is left, if the torques allow it and the arm can stop from there;
+                else the step is the next on the way to rest that `can_stop` has found.
+
+        Raises:
+            InfeasibleError: the torque limits do not allow that either.
+        """
+        impulses, gentle = self.impulses(q, qd), share * qd
+        if impulses.allow(gentle) and self.can_stop(q + self._dt * gentle, gentle):
+            return gentle
+        hard = np.sign(qd) * np.maximum(np.abs(qd) - self._dt * self._stop, 0.0)
+        if not impulses.allow(hard):
+            raise InfeasibleError("the torque limits leave no way to slow down")
+        return np.asarray(hard)
+
+    def _rates(self, M: Array, left: Array) -> Array:
+        """Return decelerations (n,) that all joints have together, whatever their signs.
+
+        In the same time T every joint could stop from its greatest speed.
+        """
+        return self._fastest / float(np.max(np.abs(M) @ self._fastest / left))
+
+    def _mass(self, q: Array) -> Array:
+        return np.asarray(pin.crba(self._robot.model, self._robot.data, q))
+
+    def _effects(self, q: Array, qd: Array) -> Array:
+        return np.asarray(pin.nonLinearEffects(self._robot.model, self._robot.data, q, qd))
+
+
+def stopping_speed(distance: Array, rate: Array, dt: float) -> Array:
+    """Return the greatest speeds (n,) from which joints stop within distances (n,), step by step.
+
+    With v the speed of the coming step and a deceleration `rate` (n,) from then on, the way is
+    dt (v + (v - rate dt) + (v - 2 rate dt) + ...); this solves it for v.
+    """
+    with np.errstate(invalid="ignore"):  # a joint without limits is infinitely far from them
+        more = np.floor((np.sqrt(1.0 + 8.0 * distance / (rate * dt**2)) - 1.0) / 2.0)
+        speed = distance / ((more + 1.0) * dt) + rate * dt * more / 2.0
+    return np.where(np.isfinite(distance), np.maximum(speed, 0.0), np.inf)

@@ -1,0 +1,110 @@
+"""The start of a hit whose motors need a way to reach the speed: run with torque limits."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hitjoints.errors import InfeasibleError
+from hitjoints.hitting.approach import Approach
+from hitjoints.hitting.controller import Controller
+from hitjoints.hitting.hit import Hit
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from hitjoints.planning.start import Start
+    from hitjoints.robot import Contact, Robot
+
+    Array = NDArray[np.float64]
+
+CONTROL = 0.002
+"""s, the control step of the runs."""
+WEIGHTLESS = 1e-9
+"""kg, of an object whose flux is the speed of what hits it, whatever the inertia."""
+REACHED = 0.99
+"""Share of the speed that counts as reached."""
+LONGER = 1.5
+"""Factor from one run-up to the next that is tried,"""
+MOST_TRIES = 4
+"""which are so many."""
+
+
+def accelerated(
+    robot: Robot,
+    contact: Contact,
+    direction: Array,
+    start: Start,
+    longer: Callable[[float], Start] | None,
+    settled: float,
+) -> Start:
+    """Return a start from which the arm, at rest there, reaches the speed within its torques.
+
+    The controller of rollouts is run from the start. If it does not reach the speed on the line,
+    a longer run-up is tried.
+
+    Args:
+        robot: the arm.
+        contact: what hits. direction: (3,) unit.
+        start: feasible as far as velocities go.
+        longer: makes a start of another run-up (m); none if the run-up is given.
+        settled: m, lateral error allowed at the hit.
+
+    Returns:
+        A start with the path that was run, ending at the impact; or the last one tried, with the
+        reason why it is not feasible.
+    """
+    target = np.round(start.position + start.run_up * direction, 9)
+    hit = Hit(contact, target, direction, WEIGHTLESS, start.speed)
+    tried, shown = start, start
+    for _ in range(MOST_TRIES):
+        if not tried.feasible:
+            break
+        run, why = run_from(robot, hit, tried.q, torque_limits=True)
+        shown = replace(tried, feasible=False, reason=why)
+        if run is None:
+            return shown
+        if not why and run.impact is not None:
+            if run.impact.speed >= REACHED * start.speed and run.impact.miss <= settled:
+                return _with_path(robot, tried, run)
+            shown = replace(
+                shown,
+                reason=f"the torque limits let the contact reach {run.impact.speed:.3g} m/s of "
+                f"{start.speed:.3g} m/s after a run-up of {tried.run_up:.3g} m from rest",
+            )
+        if longer is None:
+            return shown
+        tried = longer(LONGER * tried.run_up)
+    if not tried.feasible:
+        return replace(shown, reason=f"{shown.reason}; and {tried.reason}")
+    return shown
+
+
+def run_from(robot: Robot, hit: Hit, q: Array, torque_limits: bool) -> tuple[Approach | None, str]:
+    """Return the controller's run from rest at q (n,) rad, and why it is no hit, if it is none."""
+    try:
+        controller = Controller(robot, hit, q, dt=CONTROL, torque_limits=torque_limits)
+        if controller.torques is not None:
+            controller.torques.check_start(q)
+        run = Approach(controller, q)
+        run.run()
+    except InfeasibleError as error:
+        return None, error.reason
+    return run, run.reason
+
+
+def _with_path(robot: Robot, start: Start, run: Approach) -> Start:
+    assert run.impact is not None
+    qd = np.array([step.qd for _, step in run.rows])
+    limit = np.where(qd > 0, robot.velocity_upper, -robot.velocity_lower)
+    moving = qd != 0
+    return replace(
+        start,
+        path=np.array([*(q for q, _ in run.rows), run.impact.q]),
+        times=np.array([*(CONTROL * np.arange(len(run.rows))), run.impact.time]),
+        velocity_ratio_max=float(np.max(np.abs(qd[moving]) / limit[moving], initial=0.0)),
+    )

@@ -1,0 +1,162 @@
+"""Torque limits: real run-ups, real braking, and no limit ever broken."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import hitjoints as hj
+from benchmarks.control import broken_limits, random_rollouts
+from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.hitting.controller import Controller
+from hitjoints.hitting.hit import Hit
+from hitjoints.hitting.rollout import rollout
+from hitjoints.hitting.torques import TorqueLimits, stopping_speed
+
+OBJECT, ALONG = np.array([0.5, 0.3, 0.5]), np.array([0.0, 1.0, 0.0])
+
+
+def spinner(urdf, effort, *, reach=2.0, speed=20.0):
+    """Return an arm with one joint about the vertical: a flywheel of 0.02 kg m^2, no gravity."""
+    limit = f'<limit lower="{-reach}" upper="{reach}" velocity="{speed}" effort="{effort}"/>'
+    return urdf.load(
+        urdf.base, urdf.link("l1", 1.0, (0.1, 0, 0)), urdf.joint("j1", "base", "l1", more=limit)
+    )
+
+
+@pytest.fixture(scope="module")
+def limited(arm):
+    return rollout(arm("panda"), Hit(6, OBJECT, ALONG, 2.0, 0.4), torque_limits=True)
+
+
+def test_the_fastest_speed_that_stops_in_time():
+    """Against counting the steps: dt (v + (v - a dt) + ...) is the distance, to rounding."""
+    rate, dt = np.full(60, 7.0), 0.01
+    distance = np.concatenate(([0.0], np.geomspace(1e-7, 3.0, 59)))
+    speed = stopping_speed(distance, rate, dt)
+    for d, v in zip(distance, speed, strict=True):
+        way = sum(max(v - i * 7.0 * dt, 0.0) for i in range(2000)) * dt
+        assert way == pytest.approx(d, abs=1e-12)
+    assert stopping_speed(np.array([np.inf]), np.ones(1), dt)[0] == np.inf
+
+
+def test_a_flywheel_speeds_up_as_torque_over_inertia_says(urdf):
+    robot = spinner(urdf, 0.5)
+    dt, flux = 0.002, 0.3
+    contact = hj.Contact(1, (0.2, 0.0, 0.0))
+    q0 = np.zeros(1)
+    target = hj.position(robot, q0, contact) + 0.1 * ALONG
+    control = Controller(
+        robot, Hit(contact, target, ALONG, 0.5, flux), q0, dt=dt, posture=q0, torque_limits=True
+    )
+    q, qd = q0, np.zeros(1)
+    for _ in range(20):
+        following = control.step(q)
+        assert following[0] - qd[0] <= 0.5 / 0.02 * dt
+        if following[0] * 0.2 < 0.9 * control.hit.speed(0.5):
+            assert following[0] - qd[0] == pytest.approx(0.5 / 0.02 * dt, rel=1e-3)
+        q, qd = control.follow(q, following), following
+    assert q[0] > 0
+
+
+def test_it_stops_at_a_position_limit_as_torque_over_inertia_says(urdf):
+    robot = spinner(urdf, 0.5, reach=1.0, speed=100.0)
+    limits = TorqueLimits(robot, 0.001)
+    distance, q = 0.3, np.array([0.7])
+    fastest = math.sqrt(2 * 0.5 / 0.02 * distance)
+    assert limits.can_stop(q, np.array([0.95 * fastest]))
+    assert not limits.can_stop(q, np.array([1.01 * fastest]))
+    assert limits.can_stop(q, np.array([-fastest]))
+    qd = np.array([0.95 * fastest])
+    assert limits.can_stop(q, qd)
+    while qd[0] > 0:
+        following = limits.slower(q, qd, 1.0)
+        assert qd[0] - following[0] <= 0.5 / 0.02 * 0.001 * (1 + 1e-9)
+        q, qd = q + 0.001 * following, following
+    assert 0.9 < q[0] <= 1.0
+
+
+def test_no_limit_is_ever_broken():
+    ends = []
+    for result in random_rollouts(24, seed=8, torque_limits=True):
+        assert broken_limits(result) == 0
+        assert result.torque_ratio_max <= 1
+        assert result.braked_steps < 0.1 * result.steps + 10
+        assert not result.rows["qd"][-1].any()
+        ends.append(result.reason)
+    assert "" in ends
+
+
+def test_the_bare_hit_is_as_good_as_without(limited):
+    impact = limited.impact
+    assert limited.reason == ""
+    assert impact.miss <= 2e-3
+    assert impact.direction_error <= 2
+    assert impact.flux == pytest.approx(0.4, rel=0.01)
+    assert limited.rows["scaling"][0] < 0.5  # it takes time to speed up
+    assert limited.saturated_steps > 0
+
+
+def test_the_torques_are_those_of_another_engine(limited, arm):
+    """MuJoCo's inverse dynamics, of a model made from the links' inertias one by one."""
+    mujoco = pytest.importorskip("mujoco")
+    robot = arm("panda")
+    spec = mujoco.MjSpec()
+    spec.compiler.autolimits = False
+    body = spec.worldbody
+    for i in range(1, robot.n + 1):
+        at, inertia = robot.model.jointPlacements[i], robot.model.inertias[i]
+        quaternion = np.zeros(4)
+        mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(at.rotation).ravel())
+        I = inertia.inertia  # noqa: E741
+        body = body.add_body(pos=at.translation, quat=quaternion, explicitinertial=True)
+        body.mass, body.ipos = inertia.mass, inertia.lever
+        body.fullinertia = [I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2]]
+        body.add_joint(axis=[0, 0, 1])
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    q, qd, torque = (limited.rows[name] for name in ("q", "qd", "torque"))
+    before = np.vstack([np.zeros(robot.n), qd[:-1]])
+    for i in range(0, len(q), 7):
+        data.qpos, data.qvel, data.qacc = q[i], before[i], (qd[i] - before[i]) / limited.dt
+        mujoco.mj_inverse(model, data)
+        np.testing.assert_allclose(data.qfrc_inverse, torque[i], atol=1e-6)
+
+
+def test_same_input_same_bits(limited, arm):
+    again = rollout(arm("panda"), limited.hit, torque_limits=True)
+    for name, values in limited.rows.items():
+        assert values.tobytes() == again.rows[name].tobytes(), name
+
+
+def test_measured_velocities_are_used(arm):
+    robot, hit = arm("panda"), Hit(6, OBJECT, ALONG, 2.0, 0.4)
+    q = rollout(robot, hit, torque_limits=True).rows["q"][0]
+    control = Controller(robot, hit, q, torque_limits=True)
+    rest = control.step(q)
+    moving = Controller(robot, hit, q, torque_limits=True).step(q, 0.5 * robot.velocity_upper)
+    assert np.abs(moving - rest).max() > 0.1
+    with pytest.raises(InputError, match="qd"):
+        control.step(q, np.full(7, np.nan))
+
+
+def test_what_cannot_be_limited_is_refused(urdf, arm):
+    hit = Hit(hj.Contact(1, (0.2, 0.0, 0.0)), [0.1, 0.1, 0.0], ALONG, 0.5, 0.1)
+    with pytest.raises(InputError, match=r"joint 1: 0\.0"):
+        Controller(spinner(urdf, 0.0), hit, [0.0], posture=[0.0], torque_limits=True)
+    with pytest.raises(InputError, match="law"):
+        Controller(
+            arm("iiwa14"), Hit(6, OBJECT, ALONG, 2.0, 0.3), np.zeros(7), law="paper",
+            torque_limits=True,
+        )  # fmt: skip
+
+
+def test_an_arm_that_cannot_hold_itself_is_refused(urdf):
+    link = urdf.link("l1", 2.0, (0.5, 0, 0))
+    robot = urdf.load(urdf.base, link, urdf.joint("j1", "base", "l1", axis="0 -1 0"))
+    contact = hj.Contact(1, (0.4, 0.0, 0.0))
+    hit = Hit(contact, hj.position(robot, [0.3], contact), [0, 0, 1], 1.0, 0.1)
+    with pytest.raises(InfeasibleError, match=r"gravity asks 9\.81 N m of joint 1"):
+        rollout(robot, hit, q0=[0.0], torque_limits=True)
