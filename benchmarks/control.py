@@ -50,13 +50,17 @@ def measure() -> list[Figure]:
 
 
 def broken_limits(result: Rollout) -> int:
-    """Return how many numbers of a rollout are beyond a limit, by however little."""
+    """Return how many numbers of a rollout are beyond a limit, by however little.
+
+    A position that was clipped counts too: the velocity before would have led beyond.
+    """
     robot, q, qd = result.robot, result.rows["q"], result.rows["qd"]
     forced = result.parameters["torque_limits"]
     too_strong = np.abs(result.rows["torque"]) > robot.effort if forced else np.zeros(1)
     beyond = (q < robot.lower) | (q > robot.upper)
     too_fast = (qd < robot.velocity_lower) | (qd > robot.velocity_upper)
-    return int(beyond.sum() + too_fast.sum() + too_strong.sum())
+    clipped = np.abs(q[1:] - q[:-1] - result.dt * qd[:-1]) > 1e-12
+    return int(beyond.sum() + too_fast.sum() + too_strong.sum() + clipped.sum())
 
 
 def random_rollouts(count: int, seed: int = 0, *, torque_limits: bool = False) -> Iterator[Rollout]:

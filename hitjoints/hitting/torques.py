@@ -30,6 +30,12 @@ LEAST = 0.05
 """Share of an effort limit that counts as left for braking, however much a motion takes."""
 FORESIGHT = 0.8
 """Share of the present decelerations reckoned with for what comes: they change on the way."""
+STILL = 1e-3
+"""Share of a joint's greatest speed below which its stop is no moment of its own."""
+ROUNDING = 1e-12
+"""rad by which a position may seem to be beyond its limit."""
+TINY = 1e-12
+"""In place of zero where a ratio has no bound."""
 
 
 class TorqueLimits:
@@ -82,12 +88,17 @@ class TorqueLimits:
     ) -> tuple[Array, Array]:
         """Tighten the velocity bounds (n,) of a step so that joints can stop at their limits.
 
-        No bound asks for more than the deceleration it reckons with.
+        What is reckoned with is what a joint can do alone, or together with the others that are
+        near a limit. No bound asks for a greater deceleration than that.
         """
         robot, dt = self._robot, self._dt
         effects = np.abs(impulses.b + impulses.M @ qd) / dt
         left = np.maximum(robot.effort - effects, LEAST * robot.effort)
-        rates = FORESIGHT * self._rates(impulses.M, left)
+        M = np.abs(impulses.M)
+        rates = np.min(left[:, None] / np.maximum(M, TINY), axis=0)
+        near = self._fastest**2 / rates > np.where(qd > 0, robot.upper - q, q - robot.lower)
+        together = float(np.max(M @ np.where(near, self._fastest, 0.0) / left))
+        rates = FORESIGHT * np.minimum(rates, self._fastest / max(together, TINY))
         most = stopping_speed(robot.upper - q, rates, dt)
         least = -stopping_speed(q - robot.lower, rates, dt)
         return (
@@ -98,27 +109,29 @@ class TorqueLimits:
     def can_stop(self, q: Array, qd: Array) -> bool:
         """Tell whether there is a way from here to rest within the limits, and remember it.
 
-        Every joint slows down evenly, at the rates that all have together. The torque is checked
-        at the beginning, halfway and at the end; on the way it is between these but for a
-        curvature that `RESERVE` is for.
+        Every joint slows down evenly: as its position limit demands, and otherwise at half of the
+        rates that all joints have together, whatever their signs. The torque is checked at the
+        beginning and whenever a joint comes to rest; `RESERVE` is for what is between.
         """
-        robot, dt = self._robot, self._dt
-        left = (1.0 - RESERVE) * robot.effort - np.abs(self._effects(q, qd))
-        if not (left > 0).all():
+        robot = self._robot
+        most = (1.0 - RESERVE) * robot.effort
+        effects, M = self._effects(q, qd), self._mass(q)
+        left = most - np.abs(effects)
+        room = np.where(qd > 0, robot.upper - q, q - robot.lower)
+        if not (left > 0).all() or (room < -ROUNDING).any():
             return False
-        rates = self._rates(self._mass(q), left)
         size, sign = np.abs(qd), np.sign(qd)
-        steps = np.floor(size / (rates * dt))
-        end = q + sign * dt * steps * (size - rates * dt * (steps + 1.0) / 2.0)
-        if ((end < robot.lower) | (end > robot.upper)).any():
+        easy = 0.5 * self._fastest / float(np.max(np.abs(M) @ self._fastest / left))
+        rates = np.maximum(easy, stopping_rate(room, size, self._dt))
+        if (np.abs(effects - M @ (sign * rates)) > most).any():
             return False
-        last = float((size / rates).max())
-        for time in (0.5 * last, last):
-            passed = np.minimum(time, size / rates)
+        times = size / rates
+        for time in np.unique(times[size > STILL * self._fastest]):
+            passed = np.minimum(time, times)
             state = (
                 q + sign * (size * passed - rates * passed**2 / 2.0),
                 sign * np.maximum(size - rates * time, 0.0),
-                np.where(passed >= time, -sign * rates, 0.0),
+                np.where(times >= time, -sign * rates, 0.0),
             )
             if (np.abs(pin.rnea(robot.model, robot.data, *state)) > robot.effort).any():
                 return False
@@ -131,7 +144,7 @@ class TorqueLimits:
         Args:
             q: (n,) rad. qd: (n,) rad/s.
             share: of qd that is left, if the torques allow it and the arm can stop from there;
-                else the step is the next on the way to rest that `can_stop` has found.
+                else the step is the next on the way to rest that `can_stop` finds.
 
         Raises:
             InfeasibleError: the torque limits do not allow that either.
@@ -139,17 +152,11 @@ class TorqueLimits:
         impulses, gentle = self.impulses(q, qd), share * qd
         if impulses.allow(gentle) and self.can_stop(q + self._dt * gentle, gentle):
             return gentle
+        self.can_stop(q, qd)  # as the step before was asked; else its way goes on
         hard = np.sign(qd) * np.maximum(np.abs(qd) - self._dt * self._stop, 0.0)
         if not impulses.allow(hard):
             raise InfeasibleError("the torque limits leave no way to slow down")
         return np.asarray(hard)
-
-    def _rates(self, M: Array, left: Array) -> Array:
-        """Return decelerations (n,) that all joints have together, whatever their signs.
-
-        In the same time T every joint could stop from its greatest speed.
-        """
-        return self._fastest / float(np.max(np.abs(M) @ self._fastest / left))
 
     def _mass(self, q: Array) -> Array:
         return np.asarray(pin.crba(self._robot.model, self._robot.data, q))
@@ -168,3 +175,16 @@ def stopping_speed(distance: Array, rate: Array, dt: float) -> Array:
         more = np.floor((np.sqrt(1.0 + 8.0 * distance / (rate * dt**2)) - 1.0) / 2.0)
         speed = distance / ((more + 1.0) * dt) + rate * dt * more / 2.0
     return np.where(np.isfinite(distance), np.maximum(speed, 0.0), np.inf)
+
+
+def stopping_rate(distance: Array, speed: Array, dt: float) -> Array:
+    """Return the decelerations (n,) with which joints stop within distances (n,) after a step.
+
+    The step at `speed` (n,) ends here; the way still to come is dt ((v - a dt) + (v - 2 a dt) +
+    ...), and this solves it for a.
+    """
+    share = np.maximum(distance, 0.0) / np.maximum(speed * dt, TINY)
+    with np.errstate(invalid="ignore"):  # a joint without limits has all the way it wants
+        steps = np.floor(2.0 * share) + 1.0
+        rate = 2.0 * speed * (steps - share) / (steps * (steps + 1.0) * dt)
+    return np.where(np.isfinite(distance), rate, 0.0)

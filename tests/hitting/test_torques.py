@@ -13,7 +13,7 @@ from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.hitting.controller import Controller
 from hitjoints.hitting.hit import Hit
 from hitjoints.hitting.rollout import rollout
-from hitjoints.hitting.torques import TorqueLimits, stopping_speed
+from hitjoints.hitting.torques import TorqueLimits, stopping_rate, stopping_speed
 
 OBJECT, ALONG = np.array([0.5, 0.3, 0.5]), np.array([0.0, 1.0, 0.0])
 
@@ -40,6 +40,16 @@ def test_the_fastest_speed_that_stops_in_time():
         way = sum(max(v - i * 7.0 * dt, 0.0) for i in range(2000)) * dt
         assert way == pytest.approx(d, abs=1e-12)
     assert stopping_speed(np.array([np.inf]), np.ones(1), dt)[0] == np.inf
+
+
+def test_the_least_rate_that_stops_in_time():
+    distance, dt, v = np.geomspace(1e-7, 3.0, 60), 0.01, 1.3
+    rates = stopping_rate(distance, np.full(60, v), dt)
+    for d, rate in zip(distance, rates, strict=True):
+        way = sum(max(v - i * rate * dt, 0.0) for i in range(1, 2000)) * dt
+        assert way == pytest.approx(d, abs=1e-12)
+    assert stopping_rate(np.zeros(1), np.ones(1), dt)[0] == pytest.approx(1 / dt)
+    assert stopping_rate(np.array([np.inf]), np.ones(1), dt)[0] == 0
 
 
 def test_a_flywheel_speeds_up_as_torque_over_inertia_says(urdf):
@@ -71,10 +81,11 @@ def test_it_stops_at_a_position_limit_as_torque_over_inertia_says(urdf):
     assert limits.can_stop(q, np.array([-fastest]))
     qd = np.array([0.95 * fastest])
     assert limits.can_stop(q, qd)
-    while qd[0] > 0:
-        following = limits.slower(q, qd, 1.0)
+    for _ in range(1000):
+        following = limits.slower(q, qd, 0.0)
         assert qd[0] - following[0] <= 0.5 / 0.02 * 0.001 * (1 + 1e-9)
         q, qd = q + 0.001 * following, following
+    assert qd[0] == 0
     assert 0.9 < q[0] <= 1.0
 
 

@@ -73,7 +73,7 @@ def test_a_rollout_from_a_planned_start_has_the_flux(weak):
 
 
 def test_the_cost_is_small_for_strong_motors_only(arm):
-    """The panda's wrist, 12 N m, cannot brake in time before its limits at full speed."""
+    """The panda's fastest hit runs towards a position limit before which it has to brake."""
     strong = torque_cost(arm("iiwa14"), HOME, 7, Y, 2.0)
     assert strong.flux_with == pytest.approx(strong.flux_without, rel=0.02)
     assert strong.flux_without <= strong.straight_flux * 1.01
