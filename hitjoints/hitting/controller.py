@@ -198,7 +198,8 @@ class Controller:
             q = self._touching(q)
         state = observe(self.robot, q, self.contact, self.direction)
         lower, upper = self.bounds(q)
-        now, impulses = self._previous if qd is None else self._velocity(qd), None
+        now = self._previous if qd is None else self._velocity(qd)
+        impulses = None
         if self.torques is not None:
             impulses = self.torques.impulses(q, now)
             lower, upper = self.torques.bounds(q, now, impulses, lower, upper)

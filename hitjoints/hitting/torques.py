@@ -58,7 +58,8 @@ class TorqueLimits:
         whole = dt * robot.effort
         self._limit = whole - np.minimum(2 * ROWS, RESERVE * whole)
         self._stop = np.zeros(robot.n)
-        self._fastest = np.maximum(robot.velocity_upper, -robot.velocity_lower)
+        # A locked joint, of limit zero, stops at once, however it is divided.
+        self._fastest = np.maximum(np.maximum(robot.velocity_upper, -robot.velocity_lower), TINY)
 
     def check_start(self, q: Array) -> None:
         """Refuse a configuration (n,) rad that the motors cannot hold.

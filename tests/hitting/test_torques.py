@@ -153,6 +153,23 @@ def test_measured_velocities_are_used(arm):
         control.step(q, np.full(7, np.nan))
 
 
+def test_a_locked_joint_stays(arm, tmp_path):
+    path = tmp_path / "locked.urdf"
+    parts = arm("iiwa14").xml.split("velocity=")
+    value, rest = parts[3].split(" ", 1) if " " in parts[3][:24] else parts[3].split("/", 1)
+    assert float(value.strip('"')) > 1
+    parts[3] = f'"0" {rest}' if not rest.startswith(">") else f'"0"/{rest}'
+    path.write_text("velocity=".join(parts))
+    robot = hj.load_robot(path)
+    assert robot.velocity_upper[2] == 0
+    q0 = arm("iiwa14").home
+    target = hj.position(robot, q0, 7) + 0.1 * ALONG
+    result = rollout(robot, Hit(7, target, ALONG, 1.0, 0.2), q0=q0, torque_limits=True)
+    assert (result.rows["qd"][:, 2] == 0).all()
+    assert broken_limits(result) == 0
+    assert result.impact is not None
+
+
 def test_what_cannot_be_limited_is_refused(urdf, arm):
     hit = Hit(hj.Contact(1, (0.2, 0.0, 0.0)), [0.1, 0.1, 0.0], ALONG, 0.5, 0.1)
     with pytest.raises(InputError, match=r"joint 1: 0\.0"):
