@@ -7,6 +7,7 @@ EXPECTED = (
     "hitjoints/__init__.py",
     "hitjoints/py.typed",
     "hitjoints/cli/app.py",
+    "hitjoints/evidence/recordings/examples/IIWA_14_hit_10.csv",
     "hitjoints/robots/iiwa14.urdf",
     "hitjoints/robots/panda.toml",
 )

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         ModelError,
         SolverError,
     )
+    from hitjoints.evidence.recordings.replay import replay
     from hitjoints.hitting.controller import Controller
     from hitjoints.hitting.hit import Hit
     from hitjoints.hitting.rollout import rollout
@@ -56,6 +57,7 @@ _HOMES = {
         "position",
     ),
     "errors": ("HitjointsError", "InfeasibleError", "InputError", "ModelError", "SolverError"),
+    "evidence.recordings.replay": ("replay",),
     "hitting.controller": ("Controller",),
     "hitting.hit": ("Hit",),
     "hitting.rollout": ("rollout",),
@@ -112,6 +114,7 @@ __all__ = [
     "position",
     "posture",
     "rebound",
+    "replay",
     "required_speed",
     "robot_names",
     "rollout",

@@ -1,0 +1,190 @@
+"""`hitjoints replay`: recorded hits beside the model."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .options import JsonOption, OutOption, PlotOption, check_mass, check_outputs, numbers, triple
+from .render import complain, print_json, print_table
+
+if TYPE_CHECKING:
+    from hitjoints.evidence.recordings.hit import ReplayedHit
+    from hitjoints.evidence.recordings.replay import Replay
+
+SHOWN = 40  # rows of the table
+QUIET = 10.0  # s between two lines of progress that go to a file
+
+
+def replay(
+    files: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="FILE...",
+            help="Robots' files (..._hit_N.csv), or folders. (default: four recorded hits)",
+            show_default=False,
+        ),
+    ] = None,
+    robot: Annotated[
+        str | None,
+        typer.Option("--robot", metavar="NAME|FILE", help="The arm. (default: as the file says)"),
+    ] = None,
+    direction: Annotated[
+        str | None,
+        typer.Option(
+            "--direction", metavar="X,Y,Z", help="Hitting direction. (default: as recorded, +y, -y)"
+        ),
+    ] = None,
+    mass: Annotated[
+        float | None,
+        typer.Option(
+            "--mass", metavar="KG", help="Of the object. (default: by the recorded flux, else 0.4)"
+        ),
+    ] = None,
+    offset: Annotated[
+        str,
+        typer.Option(
+            "--offset", metavar="X,Y,Z", help="Point that hits, in the last joint's frame."
+        ),
+    ] = "0,0,0.15",
+    restitution: Annotated[
+        float | None,
+        typer.Option(
+            "--restitution", help="For the prediction. (default: median of the other hits)"
+        ),
+    ] = None,
+    out: OutOption = None,
+    plot: PlotOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Compare recorded hits with the model: inertia, flux, speeds, restitution.
+
+    Each robot's file has the object's, object_M_hit_N.csv, beside it. A file that cannot be used
+    is reported with its reason, and the rest goes on.
+    """
+    from hitjoints.evidence.recordings.replay import replay as compare
+    from hitjoints.maps.files import DATASET_ENDINGS, write_dataset
+
+    if mass is not None:
+        check_mass(mass)
+    check_outputs(plot, (out, "out", DATASET_ENDINGS))
+    with _progress() as progress:
+        result = compare(
+            files or None,
+            robot=robot,
+            direction=None if direction is None else numbers(direction),
+            mass=mass,
+            offset=triple(offset, "offset"),
+            restitution=restitution,
+            progress=progress,
+        )
+    if out is not None:
+        from hitjoints.evidence.recordings.dataset import hits_dataset
+
+        # A table has one line per hit; what is along the motions needs more dimensions.
+        write_dataset(hits_dataset(result.hits, along=out.suffix != ".csv"), out)
+    if plot is not None:
+        from hitjoints.show.figures import save_figure
+        from hitjoints.show.replay import draw_replay
+
+        save_figure(draw_replay(result), plot)
+    if as_json:
+        print_json(result.as_dict())
+    else:
+        _print(result)
+    for path in (out, plot):
+        if path is not None:
+            complain("written", str(path))
+    if not result.usable:
+        reasons = Counter(hit.reason for hit in result.hits).most_common(1)
+        complain("error", f"no file could be used: {reasons[0][0] if reasons else 'none is there'}")
+        raise typer.Exit(1)
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[int, int], None]]:
+    """Show on stderr how many files are done: a bar on a terminal, else a line now and then."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
+
+    console = Console(stderr=True)
+    columns = ("files", BarColumn(), MofNCompleteColumn(), "left", TimeRemainingColumn())
+    bar = Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
+    task = bar.add_task("files", total=None)
+    said = time.monotonic()
+
+    def advance(done: int, total: int) -> None:
+        nonlocal said
+        bar.update(task, completed=done, total=total)
+        if not console.is_terminal and time.monotonic() - said > QUIET:
+            said = time.monotonic()
+            complain("progress", f"{done} of {total} files")
+
+    with bar:
+        yield advance
+
+
+def _print(result: Replay) -> None:
+    from hitjoints.evidence.recordings.replay import REMARKS
+
+    names = (
+        "file", "robot", "mass", "inertia", "(theirs)", "speed", "flux", "(theirs)",
+        "object", "predicted", "restitution",
+    )  # fmt: skip
+    print_table(
+        f"{len(result.usable)} of {len(result.hits)} recorded hits could be used",
+        names,
+        [_row(hit) for hit in result.usable[:SHOWN]],
+        caption="kg and m/s; (theirs): the recorder's, of its own model; object: its speed after the "
+        "hit; predicted: with the median restitution of the other hits, or as given",
+    )
+    if len(result.usable) > SHOWN:
+        print(f"... and {len(result.usable) - SHOWN} more: --out writes all of them")
+    _print_summary(result.usable)
+    for name in ("restitution", "recorded_inertia", "momentum_mass"):
+        print(f"{name}: {REMARKS[name]}.")
+    failed = [hit for hit in result.hits if not hit.ok]
+    for hit in failed[:SHOWN]:
+        complain("not usable", f"{hit.file}: {hit.reason}")
+    if len(failed) > SHOWN:
+        complain("not usable", f"{len(failed) - SHOWN} more files")
+    for note, count in Counter(hit.reason for hit in result.usable if hit.reason).most_common(5):
+        complain("note", f"{count} of {len(result.usable)} files: {note}")
+
+
+def _row(hit: ReplayedHit) -> list[object]:
+    numbers = (
+        hit.mass, hit.inertia, hit.recorded_inertia, hit.robot_speed, hit.flux, hit.recorded_flux,
+        hit.object_speed, hit.predicted_object_speed, hit.restitution,
+    )  # fmt: skip
+    cells = ["-" if value is None else f"{value:.3g}" for value in numbers]
+    return [Path(hit.file).stem, hit.robot, *cells]
+
+
+def _print_summary(hits: tuple[ReplayedHit, ...]) -> None:
+    import numpy as np
+
+    def spread(name: str, unit: str) -> None:
+        values = [getattr(hit, name) for hit in hits if getattr(hit, name) is not None]
+        if values:
+            low, middle, high = np.percentile(values, (0, 50, 100))
+            print(
+                f"{name}: {low:.3g} .. {high:.3g}{unit}, median {middle:.3g} ({len(values)} hits)"
+            )
+
+    spread("position_error", " m")
+    spread("velocity_error", " m/s")
+    spread("recorded_flux_error", " m/s")
+    spread("restitution", "")
+    spread("momentum_ratio", " times the inertia")
+    spread("friction", "")
+    pairs = [(h.predicted_object_speed, h.object_speed) for h in hits]
+    off = [abs(a / b - 1) for a, b in pairs if a is not None and b is not None and b > 0]
+    if off:
+        print(f"predicted object speed: off by {np.median(off):.2g} of the measured, in the median")

@@ -1,0 +1,223 @@
+"""One recorded hit: the robot at the contact, the object after it, and what follows from both."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from hitjoints.dynamics.impact import hitting_flux
+from hitjoints.evidence.recordings import fits
+from hitjoints.evidence.recordings.contact import NotHitError, Touch, from_object, from_robot
+from hitjoints.evidence.recordings.files import Found
+from hitjoints.evidence.recordings.glide import measure_glide
+from hitjoints.evidence.recordings.hit import ReplayedHit, Series
+from hitjoints.evidence.recordings.layout import ObjectRecording, RobotRecording, read_object
+from hitjoints.evidence.recordings.motion import Motion
+from hitjoints.evidence.recordings.table import RecordingError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+DEFAULT_MASS = 0.4
+"""kg, of object 1 of the public data set."""
+
+MOVING = 0.1
+"""m/s: rows that are slower say little about the mass that a flux implies."""
+
+
+class Blow(NamedTuple):
+    """The robot at the contact: time (s), the object's mass, inertia (kg), speed and flux (m/s)."""
+
+    time: float
+    mass: float
+    inertia: float
+    speed: float
+    flux: float
+
+
+def measure(
+    found: Found, recording: RobotRecording, motion: Motion, robot: str, mass: float | None
+) -> ReplayedHit:
+    """Measure one hit; the prediction is added when all are measured.
+
+    Args:
+        found: its files.
+        recording: what the robot's holds.
+        motion: the model along it.
+        robot: its name.
+        mass: kg; None: the one that the recorded flux implies, or the default.
+
+    Raises:
+        RecordingError: the object was not hit, or the robot's speed at the contact is not known.
+    """
+    notes = list(recording.notes)
+    track = _track(found, notes)
+    touch = _touch(recording, motion, track, notes)
+    now = touch.time
+    speed = float(fits.before(motion.clock, motion.speed, now).at(now)[0])
+    if not speed > 0:
+        raise RecordingError(f"the robot does not move along the direction ({speed:.3g} m/s)")
+    inertia = float(motion.at(now, motion.inertia)[0])
+    if not np.isfinite(inertia):
+        raise RecordingError("the robot cannot move along the direction at the contact")
+    weight, source = _mass(motion, mass)
+    blow = Blow(now, weight, inertia, speed, hitting_flux(inertia, weight, speed))
+    lag, hit_time = motion.lag, recording.hit_time
+    values = _recorded(motion, blow, notes) | _after(motion, track, blow, notes)
+    return ReplayedHit(
+        file=str(found.file),
+        robot=robot,
+        ok=True,
+        reason="; ".join(notes),
+        object_file=None if found.object_file is None else str(found.object_file),
+        mass=weight,
+        mass_source=source,
+        direction=motion.direction.tolist(),
+        lag=None if lag is None else lag.rows,
+        position_error=None if lag is None else lag.greatest,
+        velocity_error=motion.velocity_error,
+        contact_time=now - float(motion.clock.time[0]),
+        contact_source=touch.source,
+        hit_time_delay=None if hit_time is None else hit_time - now,
+        inertia=inertia,
+        gradient=motion.at(now, motion.gradient).tolist(),
+        robot_speed=speed,
+        flux=blow.flux,
+        desired_flux=recording.desired_flux,
+        series=_series(motion, now),
+        **values,
+    )
+
+
+def predict(hits: list[ReplayedHit], restitution: float | None) -> tuple[ReplayedHit, ...]:
+    """Return the hits with the object's predicted speed.
+
+    Args:
+        hits: measured ones.
+        restitution: None: for each hit the median of what was found in the others.
+    """
+    known = np.sort([hit.restitution for hit in hits if hit.restitution is not None])
+    predicted = []
+    for hit in hits:
+        assumed = restitution
+        if assumed is None:
+            own = [] if hit.restitution is None else [np.searchsorted(known, hit.restitution)]
+            others = np.delete(known, own)
+            assumed = float(np.median(others)) if len(others) else None
+        if hit.flux is None or assumed is None:
+            predicted.append(hit)
+            continue
+        speed = (1 + assumed) * hit.flux
+        predicted.append(replace(hit, assumed_restitution=assumed, predicted_object_speed=speed))
+    return tuple(predicted)
+
+
+def _track(found: Found, notes: list[str]) -> ObjectRecording | None:
+    if found.object_file is None:
+        notes.append(f"no object quantities: {found.no_object}")
+        return None
+    try:
+        track = read_object(found.object_file)
+    except RecordingError as error:
+        notes.append(f"no object quantities: {found.object_file.name}: {error}")
+        return None
+    notes += [f"{found.object_file.name}: {note}" for note in track.notes]
+    return track
+
+
+def _touch(
+    recording: RobotRecording, motion: Motion, track: ObjectRecording | None, notes: list[str]
+) -> Touch:
+    if track is not None:
+        try:
+            return from_object(track.clock, track.position, motion.direction)
+        except NotHitError:
+            raise
+        except RecordingError as error:
+            notes.append(f"contact told by the robot's loss of speed: {error}")
+    return from_robot(motion.clock, motion.speed, recording.hit_time)
+
+
+def _mass(motion: Motion, mass: float | None) -> tuple[float, str]:
+    """Return the object's mass: given, implied by the recorded flux, or the default."""
+    if mass is not None:
+        return mass, "given"
+    inertia, rows = motion.recorded_inertia, motion.recorded
+    if inertia is not None and "HittingFlux" in rows and "EEF_Velocity" in rows:
+        speed, flux = np.linalg.norm(rows["EEF_Velocity"], axis=1), rows["HittingFlux"][:, 0]
+        moving = (speed > MOVING) & (flux > 0)
+        if moving.any():
+            implied = float(np.median(inertia[moving] * (speed[moving] / flux[moving] - 1)))
+            if implied > 0:
+                return implied, "recorded"
+    return DEFAULT_MASS, "default"
+
+
+def _recorded(motion: Motion, blow: Blow, notes: list[str]) -> dict[str, Any]:
+    """Return the recorder's own quantities at the contact, and whether they agree among them."""
+    found: dict[str, Any] = {}
+    inertia, rows = motion.recorded_inertia, motion.recorded
+    if inertia is not None:
+        found["recorded_inertia"] = float(motion.at(blow.time, inertia)[0])
+    elif "Inertia" in rows:
+        notes.append("recorded_inertia: Inertia is not positive along the direction")
+    if "DirGrad" in rows:
+        found["recorded_gradient"] = motion.at(blow.time, rows["DirGrad"]).tolist()
+    if "HittingFlux" in rows:
+        flux = rows["HittingFlux"][:, 0]
+        found["recorded_flux"] = float(motion.at(blow.time, flux)[0])
+        if inertia is not None and "EEF_Velocity" in rows:
+            speed = np.linalg.norm(rows["EEF_Velocity"], axis=1)
+            apart = hitting_flux(inertia, blow.mass, speed) - flux
+            found["recorded_flux_error"] = float(np.abs(apart).max())
+    return found
+
+
+def _after(
+    motion: Motion, track: ObjectRecording | None, blow: Blow, notes: list[str]
+) -> dict[str, Any]:
+    """Return what is measured after the contact, and what follows from it."""
+    found: dict[str, Any] = {}
+    try:
+        line = fits.after(motion.clock, motion.speed, blow.time)
+        found["robot_speed_after"] = float(line.at(blow.time + fits.PUSH)[0])
+    except RecordingError as error:
+        notes.append(f"robot_speed_after: {error}")
+    if track is None:
+        return found
+    try:
+        glide = measure_glide(track.clock, track.position, motion.direction, blow.time)
+    except RecordingError as error:
+        notes.append(f"object_speed: {error}")
+        return found
+    if glide.no_friction:
+        notes.append(glide.no_friction)
+    found |= {
+        "object_speed": glide.speed,
+        "object_time": glide.time,
+        "object_direction_error": glide.direction_error,
+        "restitution": glide.speed / blow.flux - 1,
+        "travel": glide.travel,
+        "came_to_rest": glide.came_to_rest,
+        "friction": glide.friction,
+    }
+    if "robot_speed_after" in found:
+        lost = blow.speed - found["robot_speed_after"]
+        if lost > 0:
+            balance = blow.mass * glide.speed / lost
+            found |= {"momentum_mass": balance, "momentum_ratio": balance / blow.inertia}
+        else:
+            notes.append("momentum_mass: the robot is not slower after the contact")
+    return found
+
+
+def _series(motion: Motion, now: float) -> Series:
+    recorded = np.full(len(motion.inertia), np.nan)
+    inertia = motion.recorded_inertia
+    if inertia is not None:
+        recorded[: len(inertia)] = inertia
+    return Series(motion.clock.time - now, motion.inertia, motion.gradient, motion.speed, recorded)
