@@ -141,8 +141,8 @@ def _print(result: Replay) -> None:
         f"{len(result.usable)} of {len(result.hits)} recorded hits could be used",
         names,
         [_row(hit) for hit in result.usable[:SHOWN]],
-        caption="kg and m/s; (theirs): the recorder's, of its own model; object: its speed after the "
-        "hit; predicted: with the median restitution of the other hits, or as given",
+        caption="kg and m/s; (theirs): the recorder's, of its own model; object: its speed after "
+        "the hit; predicted: with the median restitution of the other hits, or as given",
     )
     if len(result.usable) > SHOWN:
         print(f"... and {len(result.usable) - SHOWN} more: --out writes all of them")

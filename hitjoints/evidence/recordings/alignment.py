@@ -35,12 +35,14 @@ ROWS_TRIED = 20
 class Lag(NamedTuple):
     """Rows by which the tool lags, and how far it then is from the model's (m).
 
-    The median tells whether it is the robot's; the greatest is what is left over all rows.
+    The mean chooses the lag, since in most rows of a recording the arm may stand still; the median
+    tells whether it is the robot's; the greatest is what is left over all rows.
     """
 
     rows: int
     greatest: float
     median: float
+    mean: float
 
 
 def find_lag(model: Array, recorded: Array) -> Lag:
@@ -48,8 +50,8 @@ def find_lag(model: Array, recorded: Array) -> Lag:
     lags = []
     for rows in range(min(GREATEST_LAG, len(model) - 2) + 1):
         apart = np.linalg.norm(model[: len(model) - rows] - recorded[rows:], axis=1)
-        lags.append(Lag(rows, float(apart.max()), float(np.median(apart))))
-    return min(lags, key=lambda lag: lag.median)
+        lags.append(Lag(rows, float(apart.max()), float(np.median(apart)), float(apart.mean())))
+    return min(lags, key=lambda lag: lag.mean)
 
 
 def refuse_another_robot(

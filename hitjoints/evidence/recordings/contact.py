@@ -17,13 +17,19 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 REST_ROWS = 3
-"""Rows at the start whose median is where the object stands."""
+"""Rows at the start whose median is where the object stands at first."""
 
-STILL = 1e-3
-"""m: motion capture wavers by a tenth of this, with rare jumps of half of it."""
+REST_BEFORE = 20
+"""Rows just before the hit, at most, whose median is where the object stands then."""
 
-MOVED = 2e-2
+NEAR, STILL = 1e-3, 3e-4
+"""m from where it stands at first, and then: motion capture wavers by a tenth of a millimetre."""
+
+MOVED = 5e-3
 """m: an object that went this far has been hit."""
+
+SLOW = 0.05
+"""m/s: no hit object is slower."""
 
 LATEST, EARLIEST = 0.0, 0.1
 """s before HitTime, between which the contact lies."""
@@ -63,10 +69,13 @@ def from_object(clock: Clock, position: Array, h: Array) -> Touch:
     hit = int(np.argmax(far))
     if ahead[hit] < 0:
         raise RecordingError("the object moves against the hitting direction")
-    still = np.flatnonzero(np.abs(ahead[:hit]) <= STILL)
-    if len(still) < REST_ROWS:
+    near = np.flatnonzero(np.abs(ahead[:hit]) <= NEAR)
+    if len(near) < REST_ROWS:
         raise RecordingError("the object already moves when the recording starts")
-    last = int(still[-1])
+    end = int(near[-1]) + 1
+    ahead -= np.median(ahead[max(0, end - REST_BEFORE) : max(REST_ROWS, end - 1)])
+    still = np.flatnonzero(np.abs(ahead[:end]) <= STILL)
+    last = int(still[-1]) if len(still) else end - 1
     time = float(clock.time[last])
     gap = clock.gap_within(time, float(clock.time[hit]))
     if gap is not None:
@@ -75,7 +84,7 @@ def from_object(clock: Clock, position: Array, h: Array) -> Touch:
         speed = float(fits.after(clock, ahead, time).slope[0])
     except RecordingError:
         return Touch(time, "object")
-    return Touch(time - max(0.0, float(ahead[last])) / max(speed, MOVED), "object")
+    return Touch(time - max(0.0, float(ahead[last])) / max(speed, SLOW), "object")
 
 
 def from_robot(clock: Clock, speed: Array, hit_time: float | None) -> Touch:
@@ -103,4 +112,6 @@ def from_robot(clock: Clock, speed: Array, hit_time: float | None) -> Touch:
         candidates &= (time >= hit_time - EARLIEST) & (time <= hit_time - LATEST)
     if not candidates.any() or loss[candidates].max() <= 0:
         raise RecordingError("no contact: the robot loses no speed")
-    return Touch(float(time[np.argmax(np.where(candidates, loss, -np.inf))]), "robot")
+    # A sudden loss is as great in any window around it: the last of these begins with it.
+    greatest = np.flatnonzero(candidates & (loss >= 0.95 * loss[candidates].max()))[-1]
+    return Touch(float(time[greatest]), "robot")

@@ -44,6 +44,7 @@ NUMBERS = {
     "object_time": ("s", "from the first touch to where object_speed is measured"),
     "object_direction_error": ("deg", "between the object's velocity and the direction"),
     "restitution": ("1", "object_speed / flux - 1 (Eq. 3)"),
+    "restitution_at_contact": ("1", "the same, without the friction until object_time"),
     "assumed_restitution": ("1", "restitution of the prediction"),
     "predicted_object_speed": ("m/s", "(1 + assumed_restitution) flux (Eq. 3)"),
     "momentum_mass": ("kg", "by the momentum balance: no inertia, the robot pushes on"),

@@ -72,8 +72,15 @@ def fit_line(
 
 
 def before(clock: Clock, values: Array, contact: float) -> Line:
-    """Fit a line to the last `LENGTH` before the contact."""
-    return fit_line(clock, values, contact - LENGTH, contact)
+    """Fit a line to the last `LENGTH` before the contact, but for a row if there are enough.
+
+    The contact is known to about a row, and in that row the robot may already lose speed.
+    """
+    try:
+        guard = contact - clock.step
+        return fit_line(clock, values, guard - LENGTH, guard)
+    except RecordingError:
+        return fit_line(clock, values, contact - LENGTH, contact)
 
 
 def after(clock: Clock, values: Array, contact: float, cover: float = 0.0) -> Line:

@@ -58,6 +58,7 @@ class ReplayedHit:
         object_speed: m/s, after the hit. object_time: s from the contact to where it is measured.
         object_direction_error: deg.
         restitution: object_speed / flux - 1 (Eq. 3).
+        restitution_at_contact: the same, with what friction took until object_time given back.
         assumed_restitution: that of the prediction. predicted_object_speed: m/s.
         momentum_mass: kg, mass object_speed / (robot_speed - robot_speed_after): no inertia of the
             robot, which pushes on during the contact. momentum_ratio: to inertia.
@@ -94,6 +95,7 @@ class ReplayedHit:
     object_time: float | None = None
     object_direction_error: float | None = None
     restitution: float | None = None
+    restitution_at_contact: float | None = None
     assumed_restitution: float | None = None
     predicted_object_speed: float | None = None
     momentum_mass: float | None = None

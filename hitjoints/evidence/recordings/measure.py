@@ -11,7 +11,7 @@ from hitjoints.dynamics.impact import hitting_flux
 from hitjoints.evidence.recordings import fits
 from hitjoints.evidence.recordings.contact import NotHitError, Touch, from_object, from_robot
 from hitjoints.evidence.recordings.files import Found
-from hitjoints.evidence.recordings.glide import measure_glide
+from hitjoints.evidence.recordings.glide import GRAVITY, measure_glide
 from hitjoints.evidence.recordings.hit import ReplayedHit, Series
 from hitjoints.evidence.recordings.layout import ObjectRecording, RobotRecording, read_object
 from hitjoints.evidence.recordings.motion import Motion
@@ -58,7 +58,10 @@ def measure(
     track = _track(found, notes)
     touch = _touch(recording, motion, track, notes)
     now = touch.time
-    speed = float(fits.before(motion.clock, motion.speed, now).at(now)[0])
+    try:
+        speed = float(fits.before(motion.clock, motion.speed, now).at(now)[0])
+    except RecordingError as error:
+        raise RecordingError(f"robot_speed: {error}") from None
     if not speed > 0:
         raise RecordingError(f"the robot does not move along the direction ({speed:.3g} m/s)")
     inertia = float(motion.at(now, motion.inertia)[0])
@@ -132,14 +135,20 @@ def _track(found: Found, notes: list[str]) -> ObjectRecording | None:
 def _touch(
     recording: RobotRecording, motion: Motion, track: ObjectRecording | None, notes: list[str]
 ) -> Touch:
+    """Return the first touch by the object's motion, or else by the robot's."""
+    why = ""
     if track is not None:
         try:
             return from_object(track.clock, track.position, motion.direction)
         except NotHitError:
             raise
         except RecordingError as error:
+            why = f"{error}; "
             notes.append(f"contact told by the robot's loss of speed: {error}")
-    return from_robot(motion.clock, motion.speed, recording.hit_time)
+    try:
+        return from_robot(motion.clock, motion.speed, recording.hit_time)
+    except RecordingError as error:
+        raise RecordingError(f"{why}{error}") from None
 
 
 def _mass(motion: Motion, mass: float | None) -> tuple[float, str]:
@@ -205,6 +214,9 @@ def _after(
         "came_to_rest": glide.came_to_rest,
         "friction": glide.friction,
     }
+    if glide.friction is not None:
+        taken = glide.friction * GRAVITY * glide.time
+        found["restitution_at_contact"] = (glide.speed + taken) / blow.flux - 1
     if "robot_speed_after" in found:
         lost = blow.speed - found["robot_speed_after"]
         if lost > 0:
