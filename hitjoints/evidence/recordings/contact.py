@@ -67,11 +67,11 @@ def from_object(clock: Clock, position: Array, h: Array) -> Touch:
         most = 1e3 * float(np.abs(ahead).max())
         raise NotHitError(f"no contact: the object moves by {most:.2g} mm at most")
     hit = int(np.argmax(far))
-    if ahead[hit] < 0:
-        raise RecordingError("the object moves against the hitting direction")
     near = np.flatnonzero(np.abs(ahead[:hit]) <= NEAR)
     if len(near) < REST_ROWS:
         raise RecordingError("the object already moves when the recording starts")
+    if ahead[hit] < 0:
+        raise RecordingError("the object moves against the hitting direction")
     end = int(near[-1]) + 1
     ahead -= np.median(ahead[max(0, end - REST_BEFORE) : max(REST_ROWS, end - 1)])
     still = np.flatnonzero(np.abs(ahead[:end]) <= STILL)

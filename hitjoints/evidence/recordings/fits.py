@@ -65,10 +65,13 @@ def fit_line(
             f"{len(time)} rows in {covered:.3g} s are too few: at least {least} in "
             f"{max(cover, (least - 1) * clock.step):.2g} s are needed"
         )
-    middle = float(time.mean())
-    offset = time - middle
-    slope = offset @ rows / (offset @ offset)
-    return Line(middle, rows.mean(axis=0), slope)
+    # Stamps count seconds since 1970: their mean has no digits to spare, that of the steps has.
+    offset = time - time[0]
+    middle = float(offset.mean())
+    offset -= middle
+    value = rows.mean(axis=0)
+    slope = offset @ (rows - value) / (offset @ offset)
+    return Line(float(time[0]) + middle, value, slope)
 
 
 def before(clock: Clock, values: Array, contact: float) -> Line:
