@@ -25,6 +25,7 @@ MODULES = (
     "planning",
     "control",
     "learning",
+    "recordings",
 )
 PACKAGES = ("pin", "proxsuite", "numpy", "scipy", "llvmlite", "xarray", "zarr")
 

@@ -27,6 +27,10 @@ TOOL = np.array([0.0, 0.0, 0.15])  # m, on the last joint
 GRAVITY = 9.81  # m/s^2
 STREAM = 1 / 360  # s between two frames of motion capture
 NAMES = {"iiwa7": ("IIWA_7", 1.0), "iiwa14": ("IIWA_14", -1.0)}
+POSES = {
+    "iiwa7": (-0.7, 1.3, 0.8, -1.4, -2.4, -1.2, -0.6),
+    "iiwa14": (0.4, 1.0, -0.8, -2.0, -1.6, 0.8, -0.2),
+}  # rad, near those of recorded hits
 HEADER = (
     "RobotName,RosTime,JointPosition,JointVelocity,JointEffort,TorqueCmd,EEF_Position,"
     "EEF_Orientation,EEF_Velocity,EEF_DesiredVelocity,Inertia,DirGrad,HittingFlux"
@@ -58,7 +62,7 @@ class Truth:
     duration: float = 1.5
     lag: int = 2
     noise: float = 5e-5
-    phantom: float = 0.01
+    phantom: float = 0.05
     seed: int = 0
 
 
@@ -81,7 +85,7 @@ def write_recording(folder: Path, number: int, truth: Truth) -> Written:
     name, sign = NAMES[truth.robot]
     arm = hj.load_robot(truth.robot)
     model, h = arm.model, np.array([0.0, sign, 0.0])
-    q_hit = arm.home + rng.uniform(-0.2, 0.2, arm.n)
+    q_hit = POSES[truth.robot] + rng.uniform(-0.1, 0.1, arm.n)
     jac, mass_matrix = _terms(model, q_hit)[1:]
     before = np.linalg.pinv(jac) @ (truth.speed * h)
     # One impulse along h: M (qd+ - qd-) = -J^T h p, and what the tool and the object part with.

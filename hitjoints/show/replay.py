@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 FEW = 6
 """Up to so many hits each have a colour and a name."""
 
+MANY = (COLOURS[1], COLOURS[0])
+"""Colours of the robots and the objects when there are more."""
+
 SPAN = (-0.1, 0.1)
 """s around the contact that are drawn."""
 
@@ -37,41 +40,45 @@ def draw_replay(result: Replay) -> Figure:
     hits = result.usable
     few = len(hits) <= FEW
     for i, hit in enumerate(hits):
-        _draw_speeds(speeds, hit, COLOURS[i % len(COLOURS)] if few else COLOURS[1], few)
+        colours = (COLOURS[i], COLOURS[i]) if few else MANY
+        _draw_speeds(speeds, hit, colours, 1.0 if few else max(0.05, min(0.6, 12 / len(hits))))
     _finish_speeds(speeds, few)
     _draw_predicted(judged, hits, few)
     for axis in (speeds, judged):
         axis.spines[["top", "right"]].set_visible(False)
     unusable = len(result.hits) - len(hits)
-    more = f", {unusable} more files not usable" if unusable else ""
+    more = f"; {unusable} of {len(result.hits)} files not usable" if unusable else ""
     noun = "hit" if len(hits) == 1 else "hits"
     figure.suptitle(f"{len(hits)} recorded {noun}{more}", fontsize="medium")
     return figure
 
 
-def _draw_speeds(axis: Axes, hit: ReplayedHit, colour: str, few: bool) -> None:
+def _draw_speeds(axis: Axes, hit: ReplayedHit, colours: tuple[str, str], alpha: float) -> None:
     assert hit.series is not None
     near = (hit.series.time >= SPAN[0]) & (hit.series.time <= SPAN[1])
-    time, alpha = 1e3 * hit.series.time[near], 1.0 if few else min(1.0, 20 / 100)
-    axis.plot(time, hit.series.speed[near], color=colour, lw=1.2, alpha=alpha)
+    time, speed = 1e3 * hit.series.time[near], hit.series.speed[near]
+    axis.plot(time, speed, color=colours[0], lw=1.2, alpha=alpha)
     if hit.object_speed is not None and hit.object_time is not None:
         middle, half = 1e3 * hit.object_time, 1e3 * LENGTH / 2
         ends, level = [middle - half, middle + half], [hit.object_speed] * 2
-        orange = colour if few else COLOURS[0]
-        axis.plot(ends, level, color=orange, lw=3, alpha=alpha, solid_capstyle="butt")
+        axis.plot(ends, level, color=colours[1], lw=3, alpha=alpha, solid_capstyle="butt")
 
 
 def _finish_speeds(axis: Axes, few: bool) -> None:
     axis.axvspan(0, 1e3 * PUSH, color="grey", alpha=0.15, lw=0)
-    middle = 1e3 * PUSH / 2
     top = axis.get_xaxis_transform()
-    axis.text(middle, 0.98, "contact", color="dimgrey", ha="center", va="top", transform=top)
-    robot, thing = ("k", "k") if few else (COLOURS[1], COLOURS[0])
+    axis.text(
+        1e3 * PUSH / 2, 0.99, "contact", color="dimgrey", fontsize="small", ha="center", va="top",
+        transform=top,
+    )  # fmt: skip
+    robot, thing = ("k", "k") if few else MANY
     axis.plot([], [], color=robot, lw=1.2, label="robot, row by row")
     axis.plot([], [], color=thing, lw=3, label=f"object, over {1e3 * LENGTH:g} ms")
-    axis.legend(frameon=False, fontsize="small", loc="lower right")
-    axis.set_ylim(bottom=0)
-    axis.margins(y=0.15)
+    axis.legend(
+        frameon=False, fontsize="small", loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2
+    )
+    axis.margins(y=0.08)
+    axis.set_ylim(bottom=min(0.0, axis.get_ylim()[0]))
     axis.set_xlabel("time from the first touch (ms)")
     axis.set_ylabel("speed along the hitting direction (m/s)")
 
@@ -91,10 +98,10 @@ def _draw_predicted(axis: Axes, hits: tuple[ReplayedHit, ...], few: bool) -> Non
         for i, hit, x, y in pairs:
             name = hit.file.replace("\\", "/").rpartition("/")[2].removesuffix(".csv")
             label = f"{name}: restitution {hit.restitution:.2f}"
-            axis.plot(x, y, "o", color=COLOURS[i % len(COLOURS)], label=label)
-        axis.legend(frameon=False, fontsize="small", loc="upper left")
+            axis.plot(x, y, "o", color=COLOURS[i], label=label)
+        axis.legend(frameon=False, fontsize="small", loc="lower right")
     else:
-        axis.plot(predicted, measured, "o", color=COLOURS[0], ms=3, alpha=0.4, mew=0)
+        axis.plot(predicted, measured, "o", color=MANY[1], ms=3, alpha=0.4, mew=0)
     most = 1.25 * float(max(predicted.max(), measured.max()))
     axis.plot([0, most], [0, most], "k--", lw=1)
     axis.text(0.9 * most, 0.88 * most, "equal", ha="left", va="top", color="dimgrey")

@@ -45,6 +45,8 @@ def test_the_line_before_spares_the_row_of_the_contact():
 def test_too_few_rows_and_gaps():
     with pytest.raises(RecordingError, match=r"2 rows in 0\.005 s are too few"):
         fits.fit_line(clock(), TIME, TIME[3], TIME[4])
+    with pytest.raises(RecordingError, match=r"0 rows in 0 s are too few"):
+        fits.fit_line(clock(), TIME, TIME[0] - 9, TIME[0] - 8)
     with pytest.raises(RecordingError, match=r"0\.03 s are needed"):
         fits.fit_line(clock(), TIME, TIME[3], TIME[6], cover=0.03)
     with pytest.raises(RecordingError, match=r"a gap of 0\.1 s"):

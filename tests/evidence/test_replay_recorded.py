@@ -73,6 +73,7 @@ def test_a_wrong_mass_shows_in_the_recorded_flux(pair):
     (other,) = hj.replay(hit.file, mass=2 * facts["object_mass_kg"]).hits
     assert other.mass_source == "given"
     assert other.recorded_flux_error > 0.02
+    assert "HittingFlux is" in other.reason
     assert other.flux < hit.flux
 
 

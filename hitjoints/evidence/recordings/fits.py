@@ -58,7 +58,7 @@ def fit_line(
     if gap is not None:
         raise RecordingError(f"a gap of {gap[1] - gap[0]:.3g} s lies in the {stop - start:.3g} s")
     inside = (clock.time >= start - TOLERANCE) & (clock.time <= stop + TOLERANCE)
-    time, rows = clock.time[inside], values[inside].reshape(int(inside.sum()), -1)
+    time, rows = clock.time[inside], values.reshape(len(values), -1)[inside]
     covered = float(np.ptp(time)) if len(time) else 0.0
     if len(time) < least or covered < cover - TOLERANCE or covered == 0.0:
         raise RecordingError(

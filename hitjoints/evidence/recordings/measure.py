@@ -9,6 +9,7 @@ import numpy as np
 
 from hitjoints.dynamics.impact import hitting_flux
 from hitjoints.evidence.recordings import fits
+from hitjoints.evidence.recordings.alignment import SAME_ROBOT
 from hitjoints.evidence.recordings.contact import NotHitError, Touch, from_object, from_robot
 from hitjoints.evidence.recordings.files import Found
 from hitjoints.evidence.recordings.glide import GRAVITY, measure_glide
@@ -27,6 +28,10 @@ DEFAULT_MASS = 0.4
 
 MOVING = 0.1
 """m/s: rows that are slower say little about the mass that a flux implies."""
+
+
+DOUBTFUL_VELOCITY, DOUBTFUL_FLUX = 0.05, 1e-3
+"""m/s: greater errors are pointed out."""
 
 
 class Blow(NamedTuple):
@@ -71,6 +76,7 @@ def measure(
     blow = Blow(now, weight, inertia, speed, hitting_flux(inertia, weight, speed))
     lag, hit_time = motion.lag, recording.hit_time
     values = _recorded(motion, blow, notes) | _after(motion, track, blow, notes)
+    notes += _doubts(motion, values.get("recorded_flux_error"), weight)
     return ReplayedHit(
         file=str(found.file),
         robot=robot,
@@ -184,6 +190,21 @@ def _recorded(motion: Motion, blow: Blow, notes: list[str]) -> dict[str, Any]:
             apart = hitting_flux(inertia, blow.mass, speed) - flux
             found["recorded_flux_error"] = float(np.abs(apart).max())
     return found
+
+
+def _doubts(motion: Motion, flux_error: float | None, mass: float) -> list[str]:
+    """Return what does not agree with itself, although the recording is this robot's."""
+    doubts, lag, velocity = [], motion.lag, motion.velocity_error
+    if lag is not None and lag.greatest > SAME_ROBOT:
+        doubts.append(f"position_error: the tool is {lag.greatest:.2g} m off in some rows")
+    if velocity is not None and velocity > DOUBTFUL_VELOCITY:
+        doubts.append(f"velocity_error: the velocity is {velocity:.2g} m/s off in some rows")
+    if flux_error is not None and flux_error > DOUBTFUL_FLUX:
+        doubts.append(
+            f"recorded_flux_error: HittingFlux is {flux_error:.2g} m/s off that of its own inertia "
+            f"and {mass:.3g} kg"
+        )
+    return doubts
 
 
 def _after(
