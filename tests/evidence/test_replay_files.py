@@ -64,6 +64,14 @@ def test_another_number_is_another_hit(tree):
     assert found.no_object == "no file object_*_hit_1.csv beside it"
 
 
+def test_a_number_may_be_a_name(tree):
+    root = tree("IIWA_7_hit_b.csv", "object_1_hit_B.csv", "IIWA_7_hit_07.csv", "object_1_hit_7.csv")
+    assert names(find([root])) == [
+        ("IIWA_7_hit_b.csv", "object_1_hit_B.csv"),
+        ("IIWA_7_hit_07.csv", "object_1_hit_7.csv"),
+    ]
+
+
 def test_any_name_when_it_is_named(tree):
     (found,) = find([tree("mine.csv") / "mine.csv"])
     assert found.problem == ""

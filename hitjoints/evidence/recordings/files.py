@@ -9,8 +9,8 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-ROBOT_FILE = re.compile(r"(?!object_)(?P<robot>.+)_hit_(?P<number>\d+)\.csv", re.IGNORECASE)
-OBJECT_FILE = re.compile(r"object_.+_hit_(?P<number>\d+)\.csv", re.IGNORECASE)
+ROBOT_FILE = re.compile(r"(?!object_)(?P<robot>.+)_hit_(?P<number>\w+)\.csv", re.IGNORECASE)
+OBJECT_FILE = re.compile(r"object_.+_hit_(?P<number>\w+)\.csv", re.IGNORECASE)
 EXAMPLES = Path(__file__).parent / "examples"
 """Four hits of the public data set: the rows around the impact."""
 
@@ -57,11 +57,16 @@ def _robot_files(folder: Path) -> list[Path]:
     """Return the robots' files below a folder, hit 2 before hit 10; the folder if there is none."""
     inside = (Path(where, name) for where, _, names in os.walk(folder) for name in names)
     files = [(ROBOT_FILE.fullmatch(path.name), path) for path in inside]
-    named = [(str(p.parent), m["robot"], int(m["number"]), p) for m, p in files if m]
+    named = [(str(p.parent), m["robot"], *_order(m["number"]), p) for m, p in files if m]
     return [path for *_, path in sorted(named)] or [folder]
 
 
-def _pair(file: Path, beside: Callable[[Path], dict[int, list[str]]]) -> Found:
+def _order(number: str) -> tuple[int, str]:
+    """Return what orders hits, and is the same for the robot's and the object's file of one."""
+    return (int(number), "") if number.isdecimal() else (0, number.lower())
+
+
+def _pair(file: Path, beside: Callable[[Path], dict[tuple[int, str], list[str]]]) -> Found:
     if file.is_dir():
         return Found(file, problem="no robot's file (..._hit_N.csv) is in this folder")
     if not file.is_file():
@@ -69,7 +74,7 @@ def _pair(file: Path, beside: Callable[[Path], dict[int, list[str]]]) -> Found:
     match = ROBOT_FILE.fullmatch(file.name)
     if match is None:
         return Found(file, no_object="no object's file: the name does not end in _hit_N.csv")
-    names = beside(file.parent).get(int(match["number"]), [])
+    names = beside(file.parent).get(_order(match["number"]), [])
     if len(names) == 1:
         return Found(file, file.parent / names[0])
     wanted = f"object_*_hit_{match['number']}.csv"
@@ -77,11 +82,11 @@ def _pair(file: Path, beside: Callable[[Path], dict[int, list[str]]]) -> Found:
     return Found(file, no_object=why)
 
 
-def _objects_in(folder: Path) -> dict[int, list[str]]:
+def _objects_in(folder: Path) -> dict[tuple[int, str], list[str]]:
     """Return the names of the objects' files in a folder, by number of the hit."""
-    names: dict[int, list[str]] = {}
+    names: dict[tuple[int, str], list[str]] = {}
     for name in sorted(os.listdir(folder)):
         match = OBJECT_FILE.fullmatch(name)
         if match:
-            names.setdefault(int(match["number"]), []).append(name)
+            names.setdefault(_order(match["number"]), []).append(name)
     return names

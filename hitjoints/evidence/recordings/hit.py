@@ -52,8 +52,8 @@ class ReplayedHit:
         robot_speed: m/s, before the contact, along the direction. robot_speed_after: once the
             robot no longer pushes.
         flux: m/s, of the model's inertia and robot_speed (Eq. 4). recorded_flux: HittingFlux.
-        recorded_flux_error: m/s, greatest distance between HittingFlux and lambda / (lambda + m)
-            |v| of the recorder's own lambda and v.
+        recorded_flux_error: m/s, greatest distance between HittingFlux and Eq. 4 with the
+            recorder's own inertia and length of the velocity.
         desired_flux: m/s, of the file's first line.
         object_speed: m/s, after the hit. object_time: s from the contact to where it is measured.
         object_direction_error: deg.
