@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 import hitjoints as hj
-from benchmarks.recordings import write_recordings
+from benchmarks.recordings import measure, write_recordings
 from benchmarks.synthetic_recordings import GRAVITY, Truth, write_recording
 from hitjoints.evidence.recordings.dataset import NUMBERS, TEXTS, hits_dataset
 from hitjoints.maps.files import write_dataset
@@ -178,3 +178,9 @@ def test_the_same_again(twenty, tmp_path):
         for name in ("file", "object_file"):
             del first[name], second[name]
         assert first == second
+
+
+def test_the_benchmark_measures_the_command():
+    spent, rate = measure(20)
+    assert spent.value < 60
+    assert rate.value == pytest.approx(20 / spent.value)
