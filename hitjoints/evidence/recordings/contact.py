@@ -1,4 +1,4 @@
-"""When the robot touches the object: the recorder's HitTime is 20 to 76 ms later than that."""
+"""When the robot touches the object: the recorder's HitTime is 20 to 80 ms later than that."""
 
 from __future__ import annotations
 
