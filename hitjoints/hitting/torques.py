@@ -14,8 +14,9 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.errors import InfeasibleError, InputError
-from hitjoints.programs.torques import Impulses
-from hitjoints.programs.warm import ROWS
+from hitjoints.programs.torques import Impulses, with_impulses
+from hitjoints.programs.velocity import Terms
+from hitjoints.programs.warm import ROWS, WarmProgram
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -58,6 +59,7 @@ class TorqueLimits:
         whole = dt * robot.effort
         self._limit = whole - np.minimum(2 * ROWS, RESERVE * whole)
         self._stop = np.zeros(robot.n)
+        self._program = WarmProgram(2 * robot.n, robot.n)  # qd, p
         # A locked joint, of limit zero, stops at once, however it is divided.
         self._fastest = np.maximum(np.maximum(robot.velocity_upper, -robot.velocity_lower), TINY)
 
@@ -145,7 +147,8 @@ class TorqueLimits:
         Args:
             q: (n,) rad. qd: (n,) rad/s.
             share: of qd that is left, if the torques allow it and the arm can stop from there;
-                else the step is the next on the way to rest that `can_stop` finds.
+                else the step is the next on the way to rest that `can_stop` finds, or, where the
+                torques do not allow that one, the nearest to it.
 
         Raises:
             InfeasibleError: the torque limits do not allow that either.
@@ -155,9 +158,25 @@ class TorqueLimits:
             return gentle
         self.can_stop(q, qd)  # as the step before was asked; else its way goes on
         hard = np.sign(qd) * np.maximum(np.abs(qd) - self._dt * self._stop, 0.0)
-        if not impulses.allow(hard):
+        return np.asarray(hard) if impulses.allow(hard) else self._nearest(q, hard, impulses)
+
+    def _nearest(self, q: Array, wanted: Array, impulses: Impulses) -> Array:
+        """Return the velocity (n,) nearest to the one wanted that a step can reach.
+
+        `can_stop` looks at a few moments of a way; between them, rarely, it asks for too much.
+
+        Raises:
+            InfeasibleError: none is certified within torques, velocities and positions.
+        """
+        robot, dt, n = self._robot, self._dt, wanted.size
+        lower = np.maximum(robot.velocity_lower, (robot.lower - q) / dt)
+        upper = np.minimum(robot.velocity_upper, (robot.upper - q) / dt)
+        terms = with_impulses(Terms(np.eye(n), -wanted, np.zeros((0, n)), np.zeros(0)), impulses)
+        ends = ((lower, -impulses.limit), (upper, impulses.limit))
+        x = self._program.solve(*terms, *(np.concatenate(end) for end in ends))
+        if x is None:
             raise InfeasibleError("the torque limits leave no way to slow down")
-        return np.asarray(hard)
+        return x[:n]
 
     def _mass(self, q: Array) -> Array:
         return np.asarray(pin.crba(self._robot.model, self._robot.data, q))

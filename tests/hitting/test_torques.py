@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize
 
 import hitjoints as hj
 from benchmarks.control import broken_limits, random_rollouts
@@ -188,3 +189,42 @@ def test_an_arm_that_cannot_hold_itself_is_refused(urdf):
     hit = Hit(contact, hj.position(robot, [0.3], contact), [0, 0, 1], 1.0, 0.1)
     with pytest.raises(InfeasibleError, match=r"gravity asks 9\.81 N m of joint 1"):
         rollout(robot, hit, q0=[0.0], torque_limits=True)
+
+
+def test_the_nearest_step_that_the_motors_can_make(arm):
+    """Against SciPy's SLSQP, for ways to rest that ask for more torque than there is."""
+    robot = arm("panda")
+    limits, rng = TorqueLimits(robot, 0.002), np.random.default_rng(5)
+    tight = 0
+    for _ in range(30):
+        q = rng.uniform(robot.lower, robot.upper)
+        qd = rng.uniform(0.5, 1.0, robot.n) * robot.velocity_upper * rng.choice([-1, 1], robot.n)
+        impulses = limits.impulses(q, qd)
+        wanted = 0.5 * qd
+        if impulses.allow(wanted):
+            continue
+        found = limits._nearest(q, wanted, impulses)
+        assert (np.abs(found) <= robot.velocity_upper).all()
+        torque = (impulses.M @ found + impulses.b) / 0.002
+        assert (np.abs(torque) <= robot.effort).all()
+        low = np.maximum(robot.velocity_lower, (robot.lower - q) / 0.002)
+        high = np.minimum(robot.velocity_upper, (robot.upper - q) / 0.002)
+        rows = np.vstack((impulses.M, -impulses.M))
+        room = np.concatenate((impulses.limit - impulses.b, impulses.limit + impulses.b))
+        best = minimize(
+            lambda x, wanted=wanted: np.sum((x - wanted) ** 2) / 2,
+            found + rng.normal(0, 0.01, robot.n),
+            jac=lambda x, wanted=wanted: x - wanted,
+            bounds=list(zip(low, high, strict=True)),
+            constraints={
+                "type": "ineq",
+                "fun": lambda x, A=rows, b=room: b - A @ x,
+                "jac": lambda x, A=rows: -A,
+            },
+            method="SLSQP",
+            options={"ftol": 1e-14, "maxiter": 300},
+        )
+        assert best.success
+        np.testing.assert_allclose(found, best.x, atol=1e-6)
+        tight += 1
+    assert tight > 10
