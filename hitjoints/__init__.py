@@ -44,6 +44,7 @@ if TYPE_CHECKING:
         place_joint,
     )
     from hitjoints.robot import Contact, Robot
+    from hitjoints.show.viewer import view
 
 # Where each public name lives. Loaded on first use: `import hitjoints` costs milliseconds.
 _HOMES = {
@@ -77,6 +78,7 @@ _HOMES = {
         "place_joint",
     ),
     "robot": ("Contact", "Robot"),
+    "show.viewer": ("view",),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
@@ -120,6 +122,7 @@ __all__ = [
     "rollout",
     "sweep_joint",
     "sweep_workspace",
+    "view",
 ]
 
 

@@ -1,0 +1,88 @@
+"""`hitjoints view`: the arm in the browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .options import (
+    DIRECTION,
+    MASS,
+    OBJECT,
+    ORIGIN,
+    ROBOT,
+    DirectionOption,
+    JsonOption,
+    MassOption,
+    ObjectOption,
+    OffsetOption,
+    RobotOption,
+    check_mass,
+    check_outputs,
+    numbers,
+    triple,
+)
+from .render import complain, print_json
+
+
+def view(
+    robot: RobotOption = ROBOT,
+    joint: Annotated[
+        int | None, typer.Option("--joint", help="Hitting joint, from 1. [default: last but one]")
+    ] = None,
+    offset: OffsetOption = ORIGIN,
+    q: Annotated[
+        str | None,
+        typer.Option("--q", metavar="Q1,Q2,...", help="Joint positions. [default: home]"),
+    ] = None,
+    position: ObjectOption = OBJECT,
+    direction: DirectionOption = DIRECTION,
+    mass: MassOption = MASS,
+    flux: Annotated[
+        float, typer.Option("--flux", metavar="M/S", help="Flux of the hits played.")
+    ] = 0.3,
+    host: Annotated[str, typer.Option("--host", help="Address to serve on.")] = "127.0.0.1",
+    port: Annotated[
+        int, typer.Option("--port", help="Port to serve on; the next free one if it is taken.")
+    ] = 8080,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="FILE", help="Write a page, .html, instead of serving."),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Show the arm in the browser: sliders, inertia at the contact, plans and hits."""
+    from hitjoints.loading import load_robot
+    from hitjoints.maps.files import write_whole
+    from hitjoints.robot import Contact
+    from hitjoints.show.viewer import view as show
+
+    check_mass(mass)
+    check_outputs(None, (out, "out", (".html",)))
+    arm = load_robot(robot)
+    chosen = arm.hitting_joints[-2:][0] if joint is None else joint
+    viewer = show(
+        arm,
+        None if q is None else numbers(q),
+        Contact(chosen, triple(offset, "offset")),
+        position=triple(position, "object"),
+        direction=triple(direction, "direction"),
+        mass=mass,
+        flux=flux,
+        host=host,
+        port=port,
+    )
+    try:
+        if as_json:
+            print_json({"robot": robot, "url": viewer.url, "joint": chosen, "q": viewer.q})
+        if out is None:
+            complain("serving", f"{viewer.url} until Ctrl-C")
+            viewer.serve()
+        else:
+            page = viewer.as_html()
+            write_whole(out, "out", lambda path: path.write_text(page, encoding="utf-8"))
+            complain("written", str(out))
+    finally:
+        viewer.stop()

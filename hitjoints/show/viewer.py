@@ -1,0 +1,327 @@
+"""An arm in the browser: turn its joints and see what it would hit with, and how hard."""
+
+from __future__ import annotations
+
+import io
+import socket
+import threading
+import time
+from contextlib import redirect_stdout
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pinocchio as pin
+
+from hitjoints.dynamics.inertia import inertia_along, inverse_inertia
+from hitjoints.dynamics.kinematics import position
+from hitjoints.errors import HitjointsError, InfeasibleError, InputError, MissingExtraError
+from hitjoints.hitting.hit import Hit
+from hitjoints.hitting.rollout import rollout
+from hitjoints.planning.plan import plan
+from hitjoints.quantities import hitting_speed, place_joint
+from hitjoints.robot import Contact
+from hitjoints.show.arm import ARROW, BOX, INERTIA, LINK, inertia_surface
+from hitjoints.show.figures import colour_of
+from hitjoints.show.solids import solids
+from hitjoints.vectors import points, unit
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from hitjoints.robot import Robot
+    from hitjoints.show.solids import Solid
+
+    Array = NDArray[np.float64]
+
+FRAMES = 30.0  # per s
+SLOWER = 10  # a hit takes a tenth of a second: it is played so many times slower
+STEP = 0.001  # rad, of the sliders
+EDGE, POINT = 0.1, 0.018  # m, of the object drawn, and radius of the contact
+GLASS = 0.7  # opacity of the links: a joint's origin lies inside its link
+
+
+def view(
+    robot: Robot,
+    q: ArrayLike | None = None,
+    contact: Contact | int | None = None,
+    *,
+    position: ArrayLike = (0.5, 0.3, 0.5),
+    direction: ArrayLike = (0.0, 1.0, 0.0),
+    mass: float = 2.0,
+    flux: float = 0.3,
+    host: str = "127.0.0.1",
+    port: int = 8080,
+) -> Viewer:
+    """Show an arm in the browser, with the inertia felt at a contact, and let it plan and hit.
+
+    Args:
+        robot: the arm.
+        q: (n,) rad, the configuration to begin with; home by default.
+        contact: joint number or Contact; the last but one of the hitting joints by default.
+        position, direction, mass, flux: the hit, see `Hit`; all but the offset of the contact can
+            be changed in the browser.
+        host, port: where to serve; the next free port if this one is taken.
+
+    Returns:
+        A `Viewer`, which serves in threads of its own until `stop` or the end of the program.
+
+    Raises:
+        InputError: an argument cannot be used.
+        MissingExtraError: viser is not installed.
+        ModelError: a collision shape cannot be drawn.
+    """
+    chosen = robot.contact(robot.hitting_joints[-2:][0] if contact is None else contact)
+    hit = Hit(chosen, points(position, "position"), unit(direction), mass, flux)
+    if not 0 < port < 65536:
+        raise InputError("port", port, "a port is from 1 to 65535")
+    _check_address(host)
+    return Viewer(robot, hit, robot.within_limits(robot.home if q is None else q), host, port)
+
+
+class Viewer:
+    """Serves an arm to browsers; made by `view`.
+
+    Attributes:
+        robot: the arm.
+        url: where it is served.
+        q: (n,) rad, the configuration shown.
+    """
+
+    def __init__(self, robot: Robot, hit: Hit, q: Array, host: str, port: int) -> None:
+        try:
+            import viser
+        except ImportError:
+            raise MissingExtraError("viser", "view") from None
+        self.robot, self.q = robot, q
+        self._offset = robot.contact(hit.contact).offset
+        self._lock, self._moving = threading.RLock(), False
+        self._scale: float | None = None
+        shapes = solids(robot)
+        self._carriers = [(one.joint, one.placement) for one in shapes]
+        with _silence():
+            self._server = viser.ViserServer(host, port, verbose=False)
+        self.url = f"http://{host}:{self._server.get_port()}"
+        self._build_scene(shapes)
+        self._build_panel(hit)
+        self.move(q)
+
+    def move(self, q: ArrayLike) -> None:
+        """Show another configuration.
+
+        Args:
+            q: (n,) rad, within the limits.
+
+        Raises:
+            InputError: it is not.
+        """
+        q = self.robot.within_limits(q)
+        with self._lock, self._server.atomic():
+            self.q, self._moving = q, True
+            for slider, value in zip(self._sliders, q, strict=True):
+                slider.value = float(value)
+            self._moving = False
+            self._draw()
+
+    def as_html(self) -> str:
+        """Return a page that shows what is shown now, without a server and the panel."""
+        return str(self._server.scene.as_html())
+
+    def serve(self) -> None:
+        """Serve until interrupted."""
+        self._server.sleep_forever()
+
+    def stop(self) -> None:
+        """Stop serving."""
+        with _silence():
+            self._server.stop()
+
+    def _build_scene(self, shapes: list[Solid]) -> None:
+        scene = self._server.scene
+        scene.set_up_direction("+z")
+        scene.add_grid("/floor", 2.0, 2.0, cell_size=0.1, section_size=0.5)
+        self._server.initial_camera.position = (1.2, 0.75, 0.85)
+        self._server.initial_camera.look_at = (0.15, 0.05, 0.4)
+        self._links = [
+            scene.add_mesh_simple(
+                f"/arm/{one.name}", one.vertices, one.faces, color=_rgb(LINK), opacity=GLASS
+            )
+            for one in shapes
+        ]
+        self._object = scene.add_box("/object", _rgb(BOX), (EDGE, EDGE, EDGE))
+
+    def _build_panel(self, hit: Hit) -> None:
+        gui, robot = self._server.gui, self.robot
+        self._numbers = gui.add_markdown("")
+        with gui.add_folder("Hit"):
+            joints = [str(k) for k in range(1, robot.n + 1)]
+            number = str(robot.contact(hit.contact).joint)
+            self._joint = gui.add_dropdown("joint", joints, initial_value=number)
+            self._at = gui.add_vector3("object (m)", tuple(hit.position), step=0.01)
+            self._along = gui.add_vector3("direction", tuple(hit.direction), step=0.05)
+            self._mass = gui.add_number("mass (kg)", float(hit.mass), min=0.01, step=0.1)
+            self._flux = gui.add_number("flux (m/s)", float(hit.flux), min=0.01, step=0.01)
+            works = {
+                "place the joint at the object": self._place,
+                "plan for inertia": self._plan,
+                f"hit, {SLOWER:g} times slower": self._play,
+                "home": lambda: self.move(robot.home),
+            }
+            for label, work in works.items():
+                gui.add_button(label).on_click(partial(self._try, work))
+            self._answer = gui.add_markdown("")
+        with gui.add_folder("Joints (rad)"):
+            self._sliders: list[Any] = [
+                gui.add_slider(f"q{i + 1}", low, high, STEP, float(self.q[i]))
+                for i, (low, high) in enumerate(zip(*_ends(robot), strict=True))
+            ]
+        for control in (self._joint, self._at, self._along, self._mass):
+            control.on_update(lambda _: self._draw())
+        for slider in self._sliders:
+            slider.on_update(lambda _: self._turned())
+
+    def _turned(self) -> None:
+        with self._lock:
+            if not self._moving:
+                wanted = np.array([slider.value for slider in self._sliders])
+                self.q = np.clip(wanted, self.robot.lower, self.robot.upper)
+                self._draw()
+
+    def _hit(self) -> Hit:
+        """Return the hit that the panel says."""
+        contact = Contact(int(self._joint.value), self._offset)
+        along, at = np.array(self._along.value), np.array(self._at.value)
+        return Hit(contact, at, along, self._mass.value, self._flux.value)
+
+    def _try(self, work: Callable[[], None], _: object) -> None:
+        """Do what a button says, and say why not when that is the answer."""
+        self._answer.content = "..."
+        try:
+            work()
+            self._answer.content = ""
+        except HitjointsError as error:
+            self._answer.content = f"**No:** {error}"
+
+    def _place(self) -> None:
+        hit = self._hit()
+        placed = place_joint(self.robot, hit.contact, hit.position, start=self.q)
+        if not placed.solved[0]:
+            raise InfeasibleError(f"the joint comes no nearer than {placed.error[0]:.3g} m")
+        self.move(placed.q[0])
+
+    def _plan(self) -> None:
+        hit = self._hit()
+        found = plan(self.robot, hit.position, hit.direction, hit.mass, [hit.contact])
+        if found.best is None or found.best.q is None:
+            raise InfeasibleError(found.candidates[0].reason)
+        self.move(found.best.q)
+
+    def _play(self) -> None:
+        result = rollout(self.robot, self._hit())
+        every = max(1, round(1.0 / (FRAMES * SLOWER * result.dt)))
+        frame = every * result.dt * SLOWER
+        for q in result.rows["q"][::every]:
+            began = time.monotonic()
+            self.move(q)
+            time.sleep(max(0.0, frame - (time.monotonic() - began)))
+
+    def _draw(self) -> None:
+        """Put everything where it is in the configuration shown."""
+        with self._lock, self._server.atomic():
+            robot, data = self.robot, self.robot.data
+            pin.forwardKinematics(robot.model, data, self.q)
+            for link, (joint, placement) in zip(self._links, self._carriers, strict=True):
+                at = data.oMi[joint] * placement
+                link.position, link.wxyz = (
+                    at.translation,
+                    pin.Quaternion(at.rotation).coeffs()[[3, 0, 1, 2]],
+                )
+            try:
+                hit = self._hit()
+            except InputError as error:
+                self._numbers.content = f"**{error}**"
+                return
+            self._draw_hit(hit)
+            self._numbers.content = _numbers(robot, self.q, hit, self._scale)
+
+    def _draw_hit(self, hit: Hit) -> None:
+        scene, contact = self._server.scene, self.robot.contact(hit.contact)
+        here, h = position(self.robot, self.q, contact), hit.direction
+        colour = _rgb(colour_of(contact.joint))
+        scene.add_icosphere("/contact", POINT, colour, position=here)
+        arrow = np.array([[here, here + ARROW * h]])
+        scene.add_arrows(
+            "/direction", arrow, (0, 0, 0), shaft_radius=0.006, head_radius=0.016, head_length=0.05
+        )
+        self._object.position = hit.position + EDGE / 2 * h / np.abs(h).max()
+        surface = inertia_surface(inverse_inertia(self.robot, self.q, contact), self._scale)
+        if surface is None:
+            scene.remove_by_name("/inertia")
+            return
+        points_, self._scale, _ = surface
+        scene.add_mesh_simple(
+            "/inertia",
+            points_.reshape(-1, 3),
+            _grid_faces(*points_.shape[:2]),
+            color=_rgb(INERTIA),
+            opacity=0.35,
+            side="double",
+            cast_shadow=False,
+            position=here,
+        )
+
+
+def _check_address(host: str) -> None:
+    """Refuse an address that is not this machine's: viser would wait for ever."""
+    try:
+        with socket.socket() as probe:
+            probe.bind((host, 0))
+    except OSError as error:
+        raise InputError("host", host, f"it cannot be served on ({error.strerror})") from None
+
+
+def _silence() -> redirect_stdout[io.StringIO]:
+    """Keep stdout clean: viser writes there, told to be quiet or not."""
+    return redirect_stdout(io.StringIO())
+
+
+def _numbers(robot: Robot, q: Array, hit: Hit, scale: float | None) -> str:
+    """Return the quantities of a hit from q, as a table in Markdown."""
+    contact, h = robot.contact(hit.contact), hit.direction
+    here = position(robot, q, contact)
+    rows = [("contact", ", ".join(f"{v:.3f}" for v in here), "m")]
+    rows.append(("from the object", f"{np.linalg.norm(hit.position - here):.3f}", "m"))
+    try:
+        inertia = inertia_along(robot, q, contact, h)
+    except InfeasibleError as error:
+        rows.append(("inertia", error.reason, ""))
+    else:
+        rows.append(("inertia", f"{inertia:.3f}", "kg"))
+        for name, straight in (("", False), (", straight", True)):
+            speed = hitting_speed(robot, q, contact, h, straight=straight)
+            rows.append((f"greatest speed{name}", f"{speed:.3f}", "m/s"))
+            rows.append((f"greatest flux{name}", f"{hit.flux_of(inertia, speed):.3f}", "m/s"))
+    lines = ["| here | | |", "| --- | --- | --- |"]
+    note = "" if scale is None else f"\n\nBlue surface: directional inertia, 10 cm = {scale:g} kg."
+    return "\n".join(lines + [f"| {' | '.join(row)} |" for row in rows]) + note
+
+
+def _ends(robot: Robot) -> tuple[list[float], list[float]]:
+    """Return where the sliders begin and end: the limits, or a turn of a continuous joint."""
+    lower = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
+    upper = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
+    return lower.tolist(), np.maximum(upper, lower + STEP).tolist()
+
+
+def _grid_faces(rows: int, columns: int) -> NDArray[np.int64]:
+    """Return the triangles of a grid of points, (2 (rows - 1) (columns - 1), 3)."""
+    corner = np.arange(rows * columns).reshape(rows, columns)
+    a, b, c, d = corner[:-1, :-1], corner[:-1, 1:], corner[1:, :-1], corner[1:, 1:]
+    return np.concatenate([np.stack(t, -1).reshape(-1, 3) for t in ((a, c, b), (b, c, d))])
+
+
+def _rgb(colour: str) -> tuple[int, int, int]:
+    """Return "#D55E00" as whole numbers from 0 to 255."""
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
