@@ -16,7 +16,7 @@ import typer
 from hitjoints.errors import HitjointsError, InfeasibleError
 from hitjoints.version import __version__
 
-from . import inspect, plan, replay, robots, rollout, sweep, view
+from . import inspect, plan, replay, reproduce, robots, rollout, sweep, view
 from .render import complain, print_json
 
 DONE, FAILED, USAGE, NO = 0, 1, 2, 3
@@ -36,6 +36,7 @@ app.command("plan")(plan.plan)
 app.command("rollout")(rollout.rollout)
 app.command("replay")(replay.replay)
 app.command("view")(view.view)
+app.command("reproduce")(reproduce.reproduce)
 app.add_typer(robots.app, name="robots")
 
 

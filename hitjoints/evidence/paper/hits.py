@@ -81,7 +81,7 @@ def hit_values(robot: Robot, scenario: Scenario, hits: Hits) -> Values:
     values["rebound"], values["printed_rebound"] = seven / six, PRINTED[7] / PRINTED[6]
     values["held_more"] = (held[6] / held[7] - 1) * 100
     printed = hits.printed[5]
-    values["stalled_5"] = printed.reason or "arrives"
+    values["stalled_5"] = printed.reason.partition(" ")[0] or "arrives"
     return values
 
 
@@ -137,8 +137,8 @@ LINES = (
     Line("flux_5", "fig6", "joint 5: flux at the impact (m/s)", "the same",
          "Differs: joint 5 gives {bullet[most_5]:.2g} m/s at most when it moves straight along the "
          "direction at the object, a quarter of what is asked."),
-    Line("stalled_5", "fig6", "joint 5: Eq. 7 as printed", "arrives",
-         "Eq. 14 is flat in q_5 and leaves it at its limit; the null space term pushes it on, and "
+    Line("stalled_5", "fig6", "joint 5: the motion by Eq. 7 as printed", None,
+         "The optimum of Eq. 14 has q_5 at its limit; the null space term pushes it on, and "
          "scaling all joints by one factor stops the arm. The default law (--law qp) arrives; "
          "joint 5's other numbers are its."),
     Line("qp_7", "fig6", "joint 7: inertia at the impact, --law qp (kg)", None,

@@ -1,0 +1,105 @@
+"""`hitjoints reproduce`: the paper's figures, and its numbers beside ours."""
+
+from __future__ import annotations
+
+import os
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .options import JsonOption
+from .render import complain, print_json, print_table
+
+if TYPE_CHECKING:
+    from hitjoints.evidence.paper.reproduce import Reproduction
+
+FIGURES = ("fig2", "fig4", "fig6", "all")
+
+
+def reproduce(
+    figure: Annotated[
+        str,
+        typer.Argument(
+            metavar="[fig2|fig4|fig6|all]", help="What to repeat; fig6 has Fig. 5 and the spread."
+        ),
+    ] = "all",
+    out: Annotated[
+        Path,
+        typer.Option("--out", metavar="DIR", help="Folder for the figures and the table."),
+    ] = Path("reproduction"),
+    as_json: JsonOption = False,
+) -> None:
+    """Repeat the paper's experiments: its figures, and every number it prints beside ours.
+
+    On the iiwa 14 with PyBullet's inertia tensors, which are the paper's, with the URDF's, and with
+    the phantom inertia of a common description of the arm.
+    """
+    from hitjoints.evidence.paper.reproduce import reproduce as repeat
+
+    if figure not in FIGURES:
+        raise typer.BadParameter(f"{figure!r} is not one of {', '.join(FIGURES)}")
+    _make_folder(out)
+    result = repeat(figure, progress=lambda what: complain("progress", what))
+    written = _write(result, out)
+    if as_json:
+        print_json(result.as_dict() | {"written": [str(path) for path in written]})
+    else:
+        _print(result)
+    complain("written", f"{len(written)} files in {out}: {', '.join(p.name for p in written)}")
+
+
+def _make_folder(out: Path) -> None:
+    """Make the folder before any work is done for it.
+
+    Raises:
+        InputError: it cannot be made, or not be written to.
+    """
+    from hitjoints.errors import InputError
+
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise InputError("out", out, "it is a file; a folder is needed") from None
+    except OSError as error:
+        raise InputError("out", out, f"the folder cannot be made ({error.strerror})") from None
+    if not os.access(out, os.W_OK | os.X_OK):
+        raise InputError("out", out, "the folder cannot be written to (permission denied)")
+
+
+def _write(result: Reproduction, out: Path) -> list[Path]:
+    from hitjoints.evidence.paper.table import as_csv, as_markdown
+    from hitjoints.maps.files import write_whole
+    from hitjoints.show.figures import save_figure
+    from hitjoints.show.paper import draw_reproduction
+
+    written = []
+    for name, figure in draw_reproduction(result).items():
+        for ending in (".png", ".pdf"):
+            written.append(out / f"{name}{ending}")
+            save_figure(figure, written[-1], "out")
+    for ending, text in ((".md", as_markdown(result.rows)), (".csv", as_csv(result.rows))):
+        written.append(out / f"table{ending}")
+        write_whole(written[-1], "out", partial(_write_text, text))
+    return written
+
+
+def _write_text(text: str, path: Path) -> None:
+    path.write_text(text, encoding="utf-8")
+
+
+def _print(result: Reproduction) -> None:
+    from hitjoints.evidence.paper.table import shown
+
+    print_table(
+        "What the paper prints, beside ours",
+        ("quantity", "paper", "iiwa14_bullet", "iiwa14", "phantom"),
+        [
+            (f"{row.figure}: {row.quantity}", *map(shown, list(row.as_dict().values())[2:6]))
+            for row in result.rows
+            if row.paper is not None
+        ],
+        caption="iiwa14_bullet: the tensors of the paper's simulation; iiwa14: the URDF's; phantom:"
+        " 1 kg m^2 at its flange. table.md has all rows, and a remark on each.",
+    )
