@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         ModelError,
         SolverError,
     )
+    from hitjoints.evidence.paper.reproduce import reproduce
     from hitjoints.evidence.recordings.replay import replay
     from hitjoints.hitting.controller import Controller
     from hitjoints.hitting.hit import Hit
@@ -58,6 +59,7 @@ _HOMES = {
         "position",
     ),
     "errors": ("HitjointsError", "InfeasibleError", "InputError", "ModelError", "SolverError"),
+    "evidence.paper.reproduce": ("reproduce",),
     "evidence.recordings.replay": ("replay",),
     "hitting.controller": ("Controller",),
     "hitting.hit": ("Hit",),
@@ -117,6 +119,7 @@ __all__ = [
     "posture",
     "rebound",
     "replay",
+    "reproduce",
     "required_speed",
     "robot_names",
     "rollout",

@@ -121,3 +121,11 @@ def run(capsys):
         return Outcome(code if isinstance(code, int) else 1, printed.out, printed.err)
 
     return call
+
+
+@pytest.fixture(scope="session")
+def reproduction():
+    """Return the paper's experiments, run once, with a small study of the spread."""
+    from hitjoints.evidence.paper.reproduce import reproduce
+
+    return reproduce(setups=1500)

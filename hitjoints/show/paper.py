@@ -69,6 +69,7 @@ def _draw_turn(arms: Mapping[str, Experiments]) -> Figure:
         q = first.turn.sel(joint=k).q.values
         draw_arm(axis, first.robot, q, k, first.turn.attrs["direction"], ellipsoid=False)
         same_view(axis)
+        axis.set_zlabel("")  # no room for it beside the next arm
         axis.set_title(f"joint {k} at the object", fontsize="medium", color=colour_of(k))
     graphs = [figure.add_subplot(2, 3, 4 + i) for i in range(3)]
     for name, (style, _) in ARMS.items():

@@ -27,8 +27,12 @@ VIEW = np.array([[-0.15, 0.85], [-0.15, 0.6], [0.0, 0.85]])
 
 def same_view(axis: Any) -> None:
     """Show the same part of space on a 3-D axis as on all others."""
+    from matplotlib.ticker import MultipleLocator
+
     axis.set(xlim=VIEW[0], ylim=VIEW[1], zlim=VIEW[2])
     axis.set_box_aspect(np.ptp(VIEW, axis=1), zoom=0.85)
+    for side in (axis.xaxis, axis.yaxis, axis.zaxis):
+        side.set_major_locator(MultipleLocator(0.4))
 
 
 def draw_starts(scenario: Scenario, on: Experiments) -> Figure:
@@ -46,7 +50,7 @@ def draw_starts(scenario: Scenario, on: Experiments) -> Figure:
         axis.plot(*way[1:].T, "s", color="#E69F00", ms=11, mec="k", zorder=28)
         same_view(axis)
         axis.set_title(
-            f"joint {k}: {start.posture.inertia:.2g} kg at the start",
+            f"joint {k}: {start.posture.inertia:.3g} kg at the start",
             fontsize="medium",
             color=colour_of(k),
         )
