@@ -15,8 +15,6 @@ from .render import complain, print_json, print_table
 if TYPE_CHECKING:
     from hitjoints.evidence.paper.reproduce import Reproduction
 
-FIGURES = ("fig2", "fig4", "fig6", "all")
-
 
 def reproduce(
     figure: Annotated[
@@ -36,12 +34,14 @@ def reproduce(
     On the iiwa 14 with PyBullet's inertia tensors, which are the paper's, with the URDF's, and with
     the phantom inertia of a common description of the arm.
     """
+    from hitjoints.evidence.paper.reproduce import CHOICES
     from hitjoints.evidence.paper.reproduce import reproduce as repeat
 
-    if figure not in FIGURES:
-        raise typer.BadParameter(f"{figure!r} is not one of {', '.join(FIGURES)}")
+    if figure not in CHOICES:
+        raise typer.BadParameter(f"{figure!r} is not one of {', '.join(CHOICES)}")
     _make_folder(out)
     result = repeat(figure, progress=lambda what: complain("progress", what))
+    complain("progress", "drawing")
     written = _write(result, out)
     if as_json:
         print_json(result.as_dict() | {"written": [str(path) for path in written]})

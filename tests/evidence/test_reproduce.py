@@ -2,6 +2,8 @@
 
 import csv
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -306,6 +308,13 @@ def test_motions_beyond_a_limit_do_not_count(arm):
     q = hj.place_joint(robot, 7, [0.5, 0.0, 0.5], start=robot.home).q
     _, arrived = along_the_line(robot, q, 7, H, 1.5)  # beyond the reach
     assert not arrived.any()
+    placed = hj.place_joint(robot, 6, np.tile([0.5, 0.0, 0.5], (200, 1)), seed=2).q
+    q, arrived = along_the_line(robot, placed, 6, H, 0.3)
+    at_object = [np.linalg.norm(model_position(robot, x, 6) - OBJECT) < 1e-3 for x in q]
+    within = ((q >= robot.lower) & (q <= robot.upper)).all(axis=1)
+    assert (np.array(at_object) & ~within).any()  # some get there beyond their limits
+    assert (within | ~arrived).all()
+    assert arrived.any()
 
 
 @pytest.mark.parametrize("name", VARIANTS)
@@ -355,6 +364,22 @@ def test_table_keeps_every_row(reproduction):
     lines = as_markdown(reproduction.rows).splitlines()
     assert len(lines) == 2 + len(read)
     assert {line.replace("\\|", "").count("|") for line in lines} == {8}
+
+
+def test_the_table_in_the_docs_is_not_stale(reproduction):
+    text = (Path(__file__).parents[2] / "docs/reproduction_table.md").read_text()
+    lines = [re.split(r"(?<!\\) \| ", line[2:-2]) for line in text.splitlines()[2:]]
+    assert [line[1] for line in lines] == [
+        r.quantity.replace("|", "\\|") for r in reproduction.rows
+    ]
+    for line, r in zip(lines, reproduction.rows, strict=True):
+        if r.figure == "spread":
+            continue  # of more setups
+        for cell, value in zip(line[2:6], list(r.as_dict().values())[2:6], strict=True):
+            if isinstance(value, float):
+                assert float(cell) == pytest.approx(value, rel=6e-3, abs=1e-6), r
+            else:
+                assert cell == shown(value)
 
 
 @pytest.mark.parametrize(

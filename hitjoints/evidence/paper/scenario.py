@@ -1,4 +1,4 @@
-"""What is asked of the arm where the paper does not print it; chosen before any number was seen."""
+"""What is asked of the arm where the paper does not print it; chosen once, and not to fit."""
 
 from __future__ import annotations
 
