@@ -90,13 +90,13 @@ def _write_text(text: str, path: Path) -> None:
 
 
 def _print(result: Reproduction) -> None:
-    from hitjoints.evidence.paper.table import shown
+    from hitjoints.evidence.paper.table import cells
 
     print_table(
         "What the paper prints, beside ours",
         ("quantity", "paper", "iiwa14_bullet", "iiwa14", "phantom"),
         [
-            (f"{row.figure}: {row.quantity}", *map(shown, list(row.as_dict().values())[2:6]))
+            (f"{row.figure}: {row.quantity}", *cells(row)[2:6])
             for row in result.rows
             if row.paper is not None
         ],

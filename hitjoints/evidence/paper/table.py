@@ -29,12 +29,19 @@ def shown(value: Value) -> str:
     return str(value)
 
 
+def cells(row: Row) -> list[str]:
+    """Return the row as text: the paper's number with its own digits, ours with three."""
+    paper = f"{row.paper:g}" if isinstance(row.paper, float) else shown(row.paper)
+    ours = (row.iiwa14_bullet, row.iiwa14, row.iiwa14_phantom)
+    return [row.figure, row.quantity, paper, *map(shown, ours), row.remark]
+
+
 def as_markdown(rows: Iterable[Row]) -> str:
     """Return the table as Markdown."""
     lines = ["| " + " | ".join(COLUMNS) + " |", "| " + " | ".join("---" for _ in COLUMNS) + " |"]
     for row in rows:
-        cells = (shown(value).replace("|", "\\|") for value in row.as_dict().values())
-        lines.append("| " + " | ".join(cells) + " |")
+        escaped = (cell.replace("|", "\\|") for cell in cells(row))
+        lines.append("| " + " | ".join(escaped) + " |")
     return "\n".join(lines) + "\n"
 
 
