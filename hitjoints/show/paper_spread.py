@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from hitjoints.evidence.paper.reproduce import Experiments
+    from hitjoints.evidence.paper.spread import Spread
 
 BINS = 50
 SHOWN = 98.0
@@ -24,7 +25,10 @@ PHANTOM = "iiwa14_phantom"
 
 
 def draw_spread(arms: Mapping[str, Experiments]) -> Figure:
-    """Return histograms of the inertia at the impact with joints 7 and 6, and of their ratio."""
+    """Return histograms of the inertia at the impact with joints 7 and 6, and of their ratio.
+
+    Beside them what joint 7's depends on.
+    """
     from matplotlib.figure import Figure
 
     spreads = {name: on.spread for name, on in arms.items() if on.spread is not None}
@@ -32,8 +36,8 @@ def draw_spread(arms: Mapping[str, Experiments]) -> Figure:
     assert ours is not None
     impacts = {k: ours.shown(k).impact for k in PRINTED}
     here = {k: impact.inertia for k, impact in impacts.items() if impact is not None}
-    figure = Figure(figsize=(13, 4.6), layout="constrained")
-    axes = figure.subplots(1, 3)
+    figure = Figure(figsize=(11, 8), layout="constrained")
+    axes = figure.subplots(2, 2).flat
     for axis, k in zip(axes, PRINTED, strict=False):
         values = {name: spread.inertia[k] for name, spread in spreads.items()}
         _draw_histogram(axis, values, PRINTED[k], here[k], colour_of(k))
@@ -41,10 +45,25 @@ def draw_spread(arms: Mapping[str, Experiments]) -> Figure:
     more = {name: spread.more for name, spread in spreads.items()}
     _draw_histogram(axes[2], more, PRINTED_MORE, (here[6] / here[7] - 1) * 100, COLOURS[3])
     axes[2].set_xlabel("joint 6 more than joint 7 (%)")
-    axes[0].set_ylabel("share of the setups (%)")
+    for axis in axes[:3]:
+        axis.set_ylabel("share of the setups (%)")
+    _draw_angles(axes[3], spreads["iiwa14_bullet"])
     count = len(spreads["iiwa14_bullet"].start)
     figure.suptitle(f"{count} random setups on iiwa14_bullet", fontsize="medium")
     return figure
+
+
+def _draw_angles(axis: Axes, spread: Spread) -> None:
+    """Draw what joint 7's inertia hangs on."""
+    inertia = spread.inertia[7]
+    axis.plot(spread.angle, inertia, "o", color=colour_of(7), ms=3, alpha=0.5, mew=0)
+    axis.axhline(PRINTED[7], color="k", lw=1.5, label=f"paper, {PRINTED[7]:g} kg")
+    axis.set_ylim(0, 1.05 * np.percentile(inertia, SHOWN))
+    axis.set_xticks(range(0, 91, 15))
+    axis.set_xlabel("joint 7: angle of its last link to the direction at the impact (deg)")
+    axis.set_ylabel("joint 7: inertia at the impact (kg)")
+    axis.spines[["top", "right"]].set_visible(False)
+    axis.legend(frameon=False)
 
 
 def _draw_histogram(

@@ -13,6 +13,7 @@ from hitjoints.dynamics.inertia import inverse_inertia
 from hitjoints.dynamics.kinematics import position
 from hitjoints.evidence.paper.rows import Line, Value, Values
 from hitjoints.evidence.paper.scenario import JOINTS, PRINTED
+from hitjoints.evidence.paper.spread import angle_to
 from hitjoints.evidence.paper.starts import PaperStart, hit_from, paper_start
 from hitjoints.quantities import hitting_speed
 
@@ -74,6 +75,10 @@ def hit_values(robot: Robot, scenario: Scenario, hits: Hits) -> Values:
         other = hits.qp[k].impact
         assert other is not None
         values[f"qp_{k}"] = other.inertia
+    struck = hits.shown(7).impact
+    assert struck is not None
+    last_link = position(robot, struck.q, 7) - position(robot, struck.q, 6)
+    values["angle_7"] = float(angle_to(last_link, scenario.h))
     seven, six = inertia[7], inertia[6]
     values["more"], values["more_if"] = (six / seven - 1) * 100, (six / PRINTED[7] - 1) * 100
     values["printed_more"] = (PRINTED[6] / PRINTED[7] - 1) * 100
@@ -113,9 +118,13 @@ LINES = (
          "Differs: the paper prints neither the object's place nor the start, on which it depends: "
          "{bullet[inertia_7_below]:.0f} % of random setups have less than 2.5 kg, and at this very "
          "start Eq. 14 gives {bullet[eq14_least_7]:.2g} to {bullet[eq14_greatest_7]:.2g} kg, "
-         "depending on the posture of the arm. PyBullet's tensors add {tensors[impact_7]:.0f} %. "
+         "depending on the posture of the arm. What matters is how far the last link lies along "
+         "the direction, see below. PyBullet's tensors add {tensors[impact_7]:.0f} %. "
          "With the phantom {phantom[inertia_7_below]:.0f} % of setups have less than 2.5 kg, so "
          "the paper's arm seems to have had none."),
+    Line("angle_7", "fig6", "joint 7: angle of its last link to the direction at the impact (deg)",
+         None, "Across the direction the wrist alone moves joint 7, and it feels light. Setups "
+         "near 2.5 kg have {bullet[angle_near_7]:.0f} deg in the median."),
     Line("impact_6", "fig6", "joint 6: inertia at the impact (kg)", 3.9,
          "Agrees to {bullet[off_6]:.0f} %, which is luck: {bullet[inertia_6_low]:.2g} to "
          "{bullet[inertia_6_high]:.2g} kg (5 to 95 %) come out of random setups. PyBullet's "

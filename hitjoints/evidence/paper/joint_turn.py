@@ -108,9 +108,9 @@ LINES = (
          "constant", "As stated: the speed of joint k does not depend on the joints from k on."),
     Line("moved", "fig2", "motion of joint k while it turns (mm)", "constant", "As stated."),
     Line("apart", "fig2", "greatest difference of joints 1 to 4 between the configurations (deg)",
-         "close", "From one common configuration, the robot's home. The joints lie up to 0.3 m "
-         "apart along the arm, so putting each at the object takes this much; it is joint "
-         "{bullet[apart_joint]} that moves."),
+         "close", "Not so close, although from one common configuration, the robot's home: the "
+         "joints lie up to 0.3 m apart along the arm, so putting each at the object takes this "
+         "much of joint {bullet[apart_joint]}."),
     Line("authors_speed_6", "fig2", "joint 6: maximum speed with the authors' velocity limits "
          "(m/s)", None, "The authors' simulation cuts the data sheet's limits to 0.01 rad/s: "
          "{bullet[speed_6]:.4g} m/s with ours."),
