@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -189,6 +190,19 @@ def test_an_arm_that_cannot_hold_itself_is_refused(urdf):
     hit = Hit(contact, hj.position(robot, [0.3], contact), [0, 0, 1], 1.0, 0.1)
     with pytest.raises(InfeasibleError, match=r"gravity asks 9\.81 N m of joint 1"):
         rollout(robot, hit, q0=[0.0], torque_limits=True)
+
+
+def test_a_way_to_rest_that_asks_for_too_much_between_its_moments(monkeypatch):
+    """The one of a thousand random rollouts that needs the nearest step."""
+    monkeypatch.setattr("benchmarks.control.rollout", lambda *given, **options: (given, options))
+    given, options = next(islice(random_rollouts(999, torque_limits=True), 998, None))
+    nearest, taken = TorqueLimits._nearest, []
+    monkeypatch.setattr(
+        TorqueLimits, "_nearest", lambda *its: taken.append(nearest(*its)) or taken[-1]
+    )
+    result = rollout(*given, **options)
+    assert len(taken) > 0
+    assert broken_limits(result) == 0
 
 
 def test_the_nearest_step_that_the_motors_can_make(arm):
