@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .asked import (
+    FLUX,
+    ContactOffsetOption,
+    DirectionAsked,
+    FluxOption,
+    JointAsked,
+    MassAsked,
+    ObjectAsked,
+    PlanOption,
+    Q0Option,
+    StartOption,
+    read_asked,
+)
 from .options import (
-    DIRECTION,
-    MASS,
-    OBJECT,
     ORIGIN,
     ROBOT,
     JsonOption,
@@ -20,49 +29,22 @@ from .options import (
     RobotOption,
     SeedOption,
     TorquesOption,
-    check_mass,
     check_outputs,
-    numbers,
-    triple,
 )
 from .render import complain, print_json, print_table
 
 if TYPE_CHECKING:
     from hitjoints.hitting.record import Rollout
 
-FLUX = 0.3
-
 
 def rollout(
     robot: RobotOption = ROBOT,
-    position: Annotated[
-        str | None,
-        typer.Option(
-            "--object", metavar="X,Y,Z", help=f"Position of the object (m). (default: {OBJECT})"
-        ),
-    ] = None,
-    direction: Annotated[
-        str | None,
-        typer.Option(
-            "--direction", metavar="X,Y,Z", help=f"Hitting direction. (default: {DIRECTION})"
-        ),
-    ] = None,
-    mass: Annotated[
-        float | None,
-        typer.Option("--mass", metavar="KG", help=f"Mass of the object. (default: {MASS:g})"),
-    ] = None,
-    joint: Annotated[
-        int | None, typer.Option("--joint", help="Hitting joint, from 1. (default: last but one)")
-    ] = None,
-    contact_offset: Annotated[
-        str,
-        typer.Option(
-            "--contact-offset", metavar="X,Y,Z", help="Contact point in the joint's frame (m)."
-        ),
-    ] = ORIGIN,
-    flux: Annotated[
-        float, typer.Option("--flux", metavar="M/S", help="Desired hitting flux (Eq. 4).")
-    ] = FLUX,
+    position: ObjectAsked = None,
+    direction: DirectionAsked = None,
+    mass: MassAsked = None,
+    joint: JointAsked = None,
+    contact_offset: ContactOffsetOption = ORIGIN,
+    flux: FluxOption = FLUX,
     reference: Annotated[
         str, typer.Option("--reference", help="Desired inertia: constant, or optimised (Eq. 13).")
     ] = "optimised",
@@ -76,16 +58,9 @@ def rollout(
         str, typer.Option("--speed-profile", help="Field beside the line: constant, or paper.")
     ] = "constant",
     dt: Annotated[float, typer.Option("--dt", metavar="S", help="Control step.")] = 0.002,
-    plan: Annotated[
-        Path | None,
-        typer.Option("--plan", metavar="FILE", help="Hit as planned by `plan --out FILE`."),
-    ] = None,
-    q0: Annotated[
-        str | None, typer.Option("--q0", metavar="Q1,Q2,...", help="Start configuration.")
-    ] = None,
-    start: Annotated[
-        str | None, typer.Option("--start", metavar="X,Y,Z", help="Start of the contact point.")
-    ] = None,
+    plan: PlanOption = None,
+    q0: Q0Option = None,
+    start: StartOption = None,
     torque_limits: TorquesOption = False,
     out: OutOption = None,
     plot: PlotOption = None,
@@ -96,37 +71,17 @@ def rollout(
 
     Without --plan, --q0 or --start it plans the configuration, the start and the run-up first.
     """
-    from hitjoints.hitting.hit import Hit
     from hitjoints.hitting.rollout import rollout as roll
-    from hitjoints.loading import load_robot
     from hitjoints.maps.files import DATASET_ENDINGS
-    from hitjoints.robot import Contact
 
     check_outputs(plot, (out, "out", DATASET_ENDINGS))
-    asked: dict[str, Any] = {
-        "position": None if position is None else triple(position, "object"),
-        "direction": None if direction is None else triple(direction, "direction"),
-        "mass": mass,
-        "joint": joint,
-    }
-    planned = {} if plan is None else _read_plan(plan, robot)
-    arm = load_robot(robot)
-    usual = {
-        "position": numbers(OBJECT),
-        "direction": numbers(DIRECTION),
-        "mass": MASS,
-        "joint": arm.hitting_joints[-2:][0],
-    }
-    chosen = {key: _one(key, asked[key], planned.get(key), usual[key]) for key in usual}
-    check_mass(chosen["mass"])
-    contact = arm.contact(Contact(chosen["joint"], triple(contact_offset, "contact-offset")))
-    hit = Hit(contact, chosen["position"], chosen["direction"], chosen["mass"], flux)
+    arm, hit, starts = read_asked(
+        robot, position, direction, mass, joint, contact_offset, flux, plan, q0, start
+    )
     result = roll(
         arm,
         hit,
-        q0=None if q0 is None else numbers(q0),
-        start=None if start is None else triple(start, "start"),
-        q_hit=planned.get("q"),
+        **starts,
         dt=dt,
         reference=reference,  # type: ignore[arg-type]  # unknown names are refused there
         law=law,  # type: ignore[arg-type]
@@ -139,7 +94,7 @@ def rollout(
     if as_json:
         asked = {
             "robot": robot,
-            "joint": contact.joint,
+            "joint": arm.contact(hit.contact).joint,
             "flux": flux,
             "torque_limits": torque_limits,
         }
@@ -152,48 +107,6 @@ def rollout(
     if result.reason:
         complain("no", result.reason)
         raise typer.Exit(3)
-
-
-def _read_plan(path: Path, robot: str) -> dict[str, Any]:
-    """Return position, direction, mass, joint and q of a plan's best candidate.
-
-    Raises:
-        InputError: the file cannot be read, is no plan, or is one for another robot.
-        InfeasibleError: the plan says that no joint can do it.
-    """
-    from hitjoints.errors import InfeasibleError, InputError
-
-    try:
-        plan = json.loads(path.read_text(encoding="utf-8"))
-        best = plan["best"]
-        found = {key: plan[key] for key in ("position", "direction", "mass")}
-        if best is not None:
-            found |= {key: best[key] for key in ("joint", "q")}
-        made_for = plan["robot"]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError("plan", path, f"it is not a plan ({error})") from None
-    if best is None:
-        raise InfeasibleError(f"the plan {path} says no: {plan.get('summary', '')}")
-    if made_for != robot:
-        raise InputError("plan", path, f"it is made for {made_for}, not for {robot}")
-    return found
-
-
-def _one(name: str, asked: Any, planned: Any, usual: Any) -> Any:
-    """Return what is asked for, planned or usual, and refuse to be asked for what is not planned.
-
-    Raises:
-        InputError: an option contradicts the plan.
-    """
-    import numpy as np
-
-    from hitjoints.errors import InputError
-
-    if asked is None:
-        return usual if planned is None else planned
-    if planned is not None and not np.allclose(asked, planned, rtol=0, atol=1e-9):
-        raise InputError(name.replace("position", "object"), asked, f"the plan is for {planned}")
-    return asked
 
 
 def _write(result: Rollout, out: Path | None, plot: Path | None) -> None:
