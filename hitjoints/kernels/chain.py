@@ -81,7 +81,7 @@ class Chain:
         Raises:
             ModelError: the model is not such a chain.
         """
-        axes, prismatic = _joint_axes(model)
+        axes, prismatic = joint_axes(model)
         n = len(axes)
         placements = [model.jointPlacements[i + 1] for i in range(n)]
         frames = [_frame_of_axis(axis) for axis in axes]
@@ -160,25 +160,12 @@ class Chain:
         return joint, _triple(point)
 
 
-def velocity_limits(model: pin.Model) -> tuple[Array, Array]:
-    """Slowest and fastest joint velocities, (n,) each (rad/s or m/s).
+def joint_axes(model: pin.Model) -> tuple[list[Array], list[bool]]:
+    """Return the axis of every joint in its frame, and which of them are prismatic.
 
-    Pinocchio 4 has separate lower limits, but its URDF reader fills them with the positive limit:
-    only a lower limit that is not positive is one, otherwise the limit is symmetric.
+    Raises:
+        ModelError: not a single chain of 1 to 16 revolute or prismatic joints.
     """
-    fastest = np.array([_bound(v) for v in model.velocityLimit])
-    lower = np.asarray(getattr(model, "lowerVelocityLimit", fastest))
-    slowest = np.where(lower <= 0.0, [_bound(v) for v in lower], -fastest)
-    return slowest, fastest
-
-
-def turn_of(angle: float) -> tuple[float, float]:
-    """(cos, sin) of a constant angle (rad), exact at quarter turns."""
-    c, s = _clean(np.array((math.cos(angle), math.sin(angle))))
-    return float(c), float(s)
-
-
-def _joint_axes(model: pin.Model) -> tuple[list[Array], list[bool]]:
     n = model.njoints - 1
     if not 1 <= n <= MAX_JOINTS:
         raise ModelError(model.name, f"{n} joints; kernels take 1 to {MAX_JOINTS}")
@@ -200,6 +187,24 @@ def _joint_axes(model: pin.Model) -> tuple[list[Array], list[bool]]:
         prismatic.append(bool(slides > 0.0))
         axes.append(column[:3] if slides > 0.0 else column[3:])
     return axes, prismatic
+
+
+def velocity_limits(model: pin.Model) -> tuple[Array, Array]:
+    """Slowest and fastest joint velocities, (n,) each (rad/s or m/s).
+
+    Pinocchio 4 has separate lower limits, but its URDF reader fills them with the positive limit:
+    only a lower limit that is not positive is one, otherwise the limit is symmetric.
+    """
+    fastest = np.array([_bound(v) for v in model.velocityLimit])
+    lower = np.asarray(getattr(model, "lowerVelocityLimit", fastest))
+    slowest = np.where(lower <= 0.0, [_bound(v) for v in lower], -fastest)
+    return slowest, fastest
+
+
+def turn_of(angle: float) -> tuple[float, float]:
+    """(cos, sin) of a constant angle (rad), exact at quarter turns."""
+    c, s = _clean(np.array((math.cos(angle), math.sin(angle))))
+    return float(c), float(s)
 
 
 def _frame_of_axis(axis: Array) -> Array:

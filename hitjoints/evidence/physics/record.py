@@ -1,0 +1,175 @@
+"""What a simulated hit leaves behind: prediction, result, causes of the difference, data set."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from xarray import Dataset
+
+    from hitjoints.evidence.physics.scene import Impact
+    from hitjoints.evidence.physics.setting import Mode, Setting
+    from hitjoints.evidence.physics.slide import Slide
+    from hitjoints.evidence.physics.strike import Strike
+    from hitjoints.hitting.record import Rollout
+
+    Array = NDArray[np.float64]
+
+COMPARED = ("object_speed", "rebound", "inertia")
+VARIABLES = {
+    "robot_speed": ("time", "m/s", "speed of the contact point along the hitting direction"),
+    "object_speed": ("time", "m/s", "speed of the box's centre along the hitting direction"),
+    "force": ("time", "N", "force between arm and box along the contact's normal"),
+    "q": ("time", "rad", "joint positions (m for a prismatic joint)"),
+    "box_position": ("slide_time", "m", "centre of the box, robot base frame"),
+    "box_quaternion": ("slide_time", "1", "orientation of the box: w, x, y, z"),
+    "box_speed": ("slide_time", "m/s", "speed of the box's centre along the hitting direction"),
+}
+"""Dimension, unit and long name of every variable of the data set."""
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What the model says beforehand.
+
+    Attributes:
+        object_speed: m/s, (1 + eps) phi (Eq. 3). rebound: m/s, negative (Eq. 11).
+        inertia: kg, lambda at the impact.
+        travel: m, v^2 / (2 mu g); None where the box does not slide on a table with friction.
+        flux, speed: m/s, at the impact.
+    """
+
+    object_speed: float
+    rebound: float
+    inertia: float
+    travel: float | None
+    flux: float
+    speed: float
+
+
+@dataclass(frozen=True, eq=False)
+class Cause:
+    """Something that is not as the model has it: the hit with it alone, and with all but it."""
+
+    name: str
+    value: float
+    alone: Strike
+    without: Strike
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """A planned hit, predicted and simulated.
+
+    Attributes:
+        motion: the rollout to the impact.
+        mode, setting: how it was made in the engine.
+        impact: the state at the first touch.
+        predicted: by the model. strike: by the engine, until arm and box part.
+        slide: until the box rests; None where it does not slide on a table with friction.
+        causes: of the difference, those that are in the setting.
+    """
+
+    motion: Rollout
+    mode: Mode
+    setting: Setting
+    impact: Impact
+    predicted: Prediction
+    strike: Strike
+    slide: Slide | None
+    causes: tuple[Cause, ...] = field(repr=False)
+
+    @property
+    def simulated(self) -> dict[str, float | None]:
+        """What the engine says; `travel` (m) is that of the box's centre from where it stood."""
+        travel = None
+        if self.slide is not None:
+            way = self.slide.rows["position"][-1] - self.impact.box_centre(self.setting)
+            travel = float(self.impact.direction @ way)
+        names = (*COMPARED, "restitution", "contact_time", "contacts")
+        return {name: getattr(self.strike, name) for name in names} | {"travel": travel}
+
+    @property
+    def errors(self) -> dict[str, float | None]:
+        """Simulated over predicted, less 1."""
+        found: dict[str, float | None] = dict(self.errors_of(self.strike))
+        told, travel = self.predicted.travel, self.simulated["travel"]
+        return found | {"travel": None if told is None or travel is None else travel / told - 1}
+
+    def errors_of(self, strike: Strike) -> dict[str, float]:
+        """Return an engine's result over the predicted, less 1."""
+        return {
+            name: getattr(strike, name) / getattr(self.predicted, name) - 1 for name in COMPARED
+        }
+
+    @cached_property
+    def dataset(self) -> Dataset:
+        """Arm and box through the contact along `time`, the box's way along `slide_time` (s)."""
+        import xarray as xr
+
+        from hitjoints.maps.describe import origin
+
+        rows = {name: values for name, values in self.strike.rows.items() if name != "time"}
+        coordinates = {"time": self.strike.rows["time"]}
+        if self.slide is not None:
+            coordinates["slide_time"] = self.slide.rows["time"]
+            rows |= {f"box_{n}": v for n, v in self.slide.rows.items() if n != "time"}
+        last = {"q": "axis", "box_position": "coordinate", "box_quaternion": "component"}
+        along = {}
+        for name, values in rows.items():
+            dimension, unit, words = VARIABLES[name]
+            dimensions = (dimension, last[name]) if name in last else (dimension,)
+            along[name] = (dimensions, values, {"units": unit, "long_name": words})
+        said = {"units": "s", "long_name": "time since the arm stands before the box"}
+        times = {name: (name, values, said) for name, values in coordinates.items()}
+        if "slide_time" in times:
+            times["slide_time"] = (*times["slide_time"][:2], said | {"long_name": SLIDING})
+        attributes = origin(self.motion.robot) | {"mode": self.mode, "mass": self.impact.mass}
+        attributes |= {name: _plain(value) for name, value in asdict(self.setting).items()}
+        for kind, values in (("predicted", asdict(self.predicted)), ("simulated", self.simulated)):
+            attributes |= {f"{kind}_{k}": v for k, v in values.items() if v is not None}
+        return xr.Dataset(along, times, attributes)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the result as JSON knows it."""
+        at = self.motion.impact
+        assert at is not None
+        return {
+            "hit": True,
+            "reason": "",
+            "mode": self.mode,
+            "restitution": self.setting.restitution,
+            "contact_time": self.setting.contact_time,
+            "predicted": asdict(self.predicted),
+            "simulated": self.simulated,
+            "errors": self.errors,
+            "shares": [
+                {
+                    "cause": cause.name,
+                    "value": cause.value,
+                    "alone": self.errors_of(cause.alone),
+                    "without": self.errors_of(cause.without),
+                }
+                for cause in self.causes
+            ],
+            "setting": {name: _plain(value) for name, value in asdict(self.setting).items()},
+            "impact": {
+                "q": at.q.tolist(),
+                "qd": self.impact.qd.tolist(),
+                "position": at.position.tolist(),
+                "miss": at.miss,
+                "direction_error": at.direction_error,
+            },
+        }
+
+
+SLIDING = "time since arm and box have parted for good"
+
+
+def _plain(value: Any) -> Any:
+    return list(value) if isinstance(value, tuple) else value

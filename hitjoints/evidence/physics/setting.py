@@ -1,0 +1,113 @@
+"""How a hit is made in the physics engine: what the box is, and what is not as the model has it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from hitjoints.errors import InputError, UnknownNameError
+from hitjoints.evidence.physics.restitution import check_restitution
+
+Mode = Literal["ideal", "realistic"]
+LONGEST_CONTACT = 0.05
+"""s; what lasts longer is a push."""
+STEP = 1e-5
+"""s, the engine's step at most during the contact, and"""
+STEPS = 100
+"""steps in each contact at least."""
+SHORT = 5e-4
+"""s, a contact that is an impact."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A hit in the engine; as it stands, the ideal one.
+
+    Attributes:
+        restitution: eps, from 0 to 1.
+        size: (3,) m, of the box: along the hitting direction, sideways, up.
+        friction: coefficient between box and table.
+        contact_time: s, how long arm and box touch.
+        servo_gain: N m s/rad (N s/m), of every joint's velocity servo; 0 leaves the arm free.
+        contact_friction: coefficient between arm and box.
+        off_centre: m, sideways from the point that is hit to the box's centre.
+        on_table: the table acts on the box during the contact already.
+
+    Raises:
+        InputError: a value is out of its range.
+    """
+
+    restitution: float = 0.5
+    size: tuple[float, float, float] = (0.1, 0.1, 0.1)
+    friction: float = 0.3
+    contact_time: float = SHORT
+    servo_gain: float = 0.0
+    contact_friction: float = 0.0
+    off_centre: float = 0.0
+    on_table: bool = False
+
+    def __post_init__(self) -> None:
+        check_restitution(self.restitution)
+        if len(self.size) != 3 or not all(0 < edge < math.inf for edge in self.size):
+            raise InputError("size", self.size, "three lengths above 0 m")
+        for name in ("friction", "servo_gain", "contact_friction"):
+            value = getattr(self, name)
+            if not 0 <= value < math.inf:
+                raise InputError(name, value, "it must not be below 0")
+        if not 0 < self.contact_time <= LONGEST_CONTACT:
+            expected = f"a contact lasts more than 0 s and at most {LONGEST_CONTACT:g} s"
+            raise InputError("contact_time", self.contact_time, expected)
+        half = self.size[1] / 2
+        if not abs(self.off_centre) < half:
+            expected = f"it is within {half:g} m, or the arm misses the box"
+            raise InputError("off_centre", self.off_centre, expected)
+
+    @property
+    def timestep(self) -> float:
+        """The engine's step, s."""
+        return min(STEP, self.contact_time / STEPS)
+
+    def causes(self) -> list[tuple[str, float, Setting, Setting]]:
+        """Return what is not ideal: its name, its value, and settings with it alone and without."""
+        ideal = Setting(self.restitution, self.size, self.friction)
+        found = []
+        for cause, name in CAUSES.items():
+            value, usual = getattr(self, name), getattr(ideal, name)
+            if value != usual:
+                alone, without = replace(ideal, **{name: value}), replace(self, **{name: usual})
+                found.append((cause, float(value), alone, without))
+        return found
+
+
+CAUSES = {
+    "servo": "servo_gain",
+    "contact time": "contact_time",
+    "contact friction": "contact_friction",
+    "off-centre": "off_centre",
+    "table": "on_table",
+}
+"""What sets a hit apart from the model, each with its entry of a setting."""
+MODES: dict[Mode, dict[str, float | bool]] = {
+    "ideal": {},
+    "realistic": {
+        "contact_time": 0.01,
+        "servo_gain": 50.0,
+        "contact_friction": 0.3,
+        "off_centre": 0.02,
+        "on_table": True,
+    },
+}
+"""What each mode sets, where nothing else is asked for."""
+
+
+def setting(mode: Mode, **asked: float | tuple[float, float, float] | None) -> Setting:
+    """Return the setting of a mode with what is asked for instead; None asks for nothing.
+
+    Raises:
+        InputError: an unknown mode, or a value out of its range.
+    """
+    if mode not in MODES:
+        raise UnknownNameError("mode", mode, MODES)
+    given = {name: value for name, value in asked.items() if value is not None}
+    return Setting(**(MODES[mode] | given))  # type: ignore[arg-type]

@@ -1,0 +1,157 @@
+"""A planned hit in a physics engine: predicted against simulated."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hitjoints.dynamics.impact import object_speed, rebound
+from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.evidence.physics.engine import engine
+from hitjoints.evidence.physics.record import Cause, Prediction, Simulation
+from hitjoints.evidence.physics.scene import LEVEL, Impact
+from hitjoints.evidence.physics.setting import Mode, Setting, setting
+from hitjoints.evidence.physics.slide import slide
+from hitjoints.evidence.physics.strike import strike
+from hitjoints.hitting.rollout import rollout
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from hitjoints.hitting.hit import Hit
+    from hitjoints.hitting.record import Rollout
+    from hitjoints.robot import Robot
+
+    Array = NDArray[np.float64]
+
+GRAVITY = 9.81
+"""m/s^2, of the engine too."""
+
+
+def simulate(
+    robot: Robot,
+    hit: Hit,
+    *,
+    restitution: float = 0.5,
+    mode: Mode = "ideal",
+    size: tuple[float, float, float] = (0.1, 0.1, 0.1),
+    friction: float = 0.3,
+    contact_time: float | None = None,
+    servo_gain: float | None = None,
+    contact_friction: float | None = None,
+    off_centre: float | None = None,
+    q0: ArrayLike | None = None,
+    start: ArrayLike | None = None,
+    q_hit: ArrayLike | None = None,
+    torque_limits: bool = False,
+    seed: int = 0,
+) -> Simulation:
+    """Roll a hit out to the impact, and let a physics engine (MuJoCo) do the rest.
+
+    The arm hits a box at the contact point, which the engine sees as the link's surface; then the
+    box slides on a level table until it stops. The prediction knows the restitution beforehand
+    and nothing of the engine's result.
+
+    Args:
+        robot: the arm.
+        hit: what is asked.
+        restitution: eps, from 0 to 1.
+        mode: "ideal": the arm is free but for gravity compensation, the contact is short, central
+            and without friction; "realistic": none of that, and each cause on its own as well.
+        size: (3,) m, of the box: along the hitting direction, sideways, up.
+        friction: coefficient between box and table; 0 leaves the travel out.
+        contact_time: s; 0.0005, or 0.01 when realistic.
+        servo_gain: N m s/rad, of every joint's velocity servo, which follows the rollout; 0, or 50
+            when realistic.
+        contact_friction: coefficient between arm and box; 0, or 0.3 when realistic.
+        off_centre: m, from the contact sideways to the box's centre; 0, or 0.02 when realistic.
+        q0, start, q_hit, torque_limits, seed: see `rollout`.
+
+    Returns:
+        The result, with `predicted`, `simulated`, `errors`, `causes` and `dataset`.
+
+    Raises:
+        InputError: an argument cannot be used, or a realistic hit is not level.
+        InfeasibleError: the rollout is no hit; see `rollout`.
+        MissingExtraError: MuJoCo is not installed.
+    """
+    engine()
+    how = setting(
+        mode,
+        restitution=restitution,
+        size=size,
+        friction=friction,
+        contact_time=contact_time,
+        servo_gain=servo_gain,
+        contact_friction=contact_friction,
+        off_centre=off_centre,
+    )
+    if how.on_table and not abs(hit.direction[2]) < LEVEL:
+        raise InputError(
+            "direction", hit.direction.tolist(), "a box on a level table is hit horizontally"
+        )
+    motion = rollout(
+        robot, hit, q0=q0, start=start, q_hit=q_hit, torque_limits=torque_limits, seed=seed
+    )
+    if motion.reason or motion.impact is None:
+        raise InfeasibleError(f"the rollout is no hit: {motion.reason}", {"hit": False})
+    impact = impact_of(motion)
+    predicted = predict(motion, how)
+    servos = Reference(motion)
+    result = strike(robot, impact, how, servos, servos.rest if how.servo_gain > 0 else 0.0)
+    slides = impact.level and how.friction > 0
+    slid = slide(impact, how, *result.box) if slides else None
+    causes = tuple(
+        Cause(
+            name,
+            value,
+            strike(robot, impact, alone, servos),
+            strike(robot, impact, without, servos),
+        )
+        for name, value, alone, without in how.causes()
+    )
+    return Simulation(motion, mode, how, impact, predicted, result, slid, causes)
+
+
+class Reference:
+    """What the servos follow: the rollout, which slows the arm down after the impact.
+
+    Attributes:
+        rest: s, from the impact until the arm rests.
+    """
+
+    def __init__(self, motion: Rollout) -> None:
+        self._qd, self._dt = motion.rows["qd"][motion.steps - 1 :], motion.dt
+        self.rest = len(self._qd) * self._dt
+
+    def __call__(self, time: float) -> Array:
+        """Return the joint velocities (n,) rad/s at a time (s) since the impact."""
+        row = int(time / self._dt)
+        return np.asarray(self._qd[row] if row < len(self._qd) else np.zeros_like(self._qd[0]))
+
+
+def impact_of(motion: Rollout) -> Impact:
+    """Return the state in which a rollout that is a hit touches the object."""
+    robot, hit = motion.robot, motion.hit
+    assert motion.impact is not None
+    at = motion.impact
+    return Impact(
+        robot.contact(hit.contact),
+        hit.direction,
+        hit.mass,
+        at.q,
+        motion.rows["qd"][motion.steps - 1],
+        at.position,
+    )
+
+
+def predict(motion: Rollout, how: Setting) -> Prediction:
+    """Return what the model says about a rollout that is a hit (Eq. 3, 4, 11)."""
+    assert motion.impact is not None
+    at, mass = motion.impact, motion.hit.mass
+    asked = at.inertia, mass, at.speed, how.restitution
+    speed = object_speed(*asked)
+    level = abs(motion.hit.direction[2]) < LEVEL
+    travel = speed**2 / (2 * how.friction * GRAVITY) if level and how.friction > 0 else None
+    return Prediction(speed, rebound(*asked), at.inertia, travel, at.flux, at.speed)

@@ -1,0 +1,84 @@
+"""The box on the table, from the parting until it rests, in the physics engine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hitjoints.errors import SolverError
+from hitjoints.evidence.physics.engine import engine
+from hitjoints.evidence.physics.scene import add_box, add_table, set_options
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from hitjoints.evidence.physics.scene import Impact
+    from hitjoints.evidence.physics.setting import Setting
+
+    Array = NDArray[np.float64]
+
+STEP = 2e-4
+"""s."""
+SETTLING = 20
+"""Time constant of box on table, in steps."""
+AT_REST = 1e-3
+"""m/s and rad/s: slower than this the box rests."""
+LONGEST = 60.0
+"""s, of sliding that is followed."""
+ROWS = 400
+"""Of the data set, at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Slide:
+    """How the box came to rest.
+
+    Attributes:
+        distance: m, that its centre went along the hitting direction.
+        rows: `time` (s, since the parting), `position` (T, 3) m, `quaternion` (T, 4), `speed`
+            (m/s, along the direction).
+    """
+
+    distance: float
+    rows: dict[str, Array] = field(repr=False)
+
+
+def slide(impact: Impact, setting: Setting, qpos: Array, qvel: Array) -> Slide:
+    """Let the box slide until it rests. The arm is not there any more.
+
+    Args:
+        impact, setting: of the hit; the direction is level and the table has friction.
+        qpos, qvel: (7,) position and quaternion, and (6,) velocity of the box at the parting.
+
+    Raises:
+        SolverError: it does not come to rest.
+    """
+    mujoco = engine()
+    h = impact.direction
+    spec = mujoco.MjSpec()
+    set_options(spec, STEP)
+    centre = impact.box_centre(setting)
+    add_box(spec, centre, impact.axes, impact.mass, setting.size)
+    add_table(spec, centre, setting.size, setting.friction, SETTLING * STEP)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qvel[:] = qpos, qvel
+    times, poses, speeds = [0.0], [data.qpos.copy()], [float(h @ data.qvel[:3])]
+    while np.abs(data.qvel).max() > AT_REST:
+        if data.time > LONGEST:
+            raise SolverError(f"the box does not come to rest within {LONGEST:g} s")
+        mujoco.mj_step(model, data)
+        times.append(data.time)
+        poses.append(data.qpos.copy())
+        speeds.append(float(h @ data.qvel[:3]))
+    kept = np.unique(np.linspace(0, len(times) - 1, min(ROWS, len(times))).astype(int))
+    pose = np.array(poses)[kept]
+    rows = {
+        "time": np.array(times)[kept],
+        "position": pose[:, :3],
+        "quaternion": pose[:, 3:],
+        "speed": np.array(speeds)[kept],
+    }
+    return Slide(float(h @ (pose[-1, :3] - qpos[:3])), rows)

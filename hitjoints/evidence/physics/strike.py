@@ -1,0 +1,164 @@
+"""Arm and box from the first touch until they part, in the physics engine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from hitjoints.errors import SolverError
+from hitjoints.evidence.physics.engine import engine
+from hitjoints.evidence.physics.scene import Impact, build_scene
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from hitjoints.evidence.physics.setting import Setting
+    from hitjoints.robot import Robot
+
+    Array = NDArray[np.float64]
+    Reference = Callable[[float], Array]
+
+LONGEST = 0.5
+"""s, after which arm and box are thought to stay together."""
+
+
+@dataclass(frozen=True, eq=False)
+class Strike:
+    """What the engine makes of an impact.
+
+    Attributes:
+        object_speed: m/s, of the box's centre along the hitting direction when they part.
+        rebound: m/s, change of the contact point's speed along it, negative.
+        inertia: kg, by the balance of momentum: mass object_speed / -rebound.
+        restitution: speed of parting of the two contact points, as a share of that of meeting.
+        contact_time: s, from the first touch to the parting.
+        contacts: how often they touch until the arm rests.
+        box: the box's position and quaternion (7,), and its velocity (6,), at the end.
+        rows: name -> array along time: `time` (s), `robot_speed`, `object_speed` (m/s), `force`
+            (N), and `q` (T, n).
+    """
+
+    object_speed: float
+    rebound: float
+    inertia: float
+    restitution: float
+    contact_time: float
+    contacts: int
+    box: tuple[Array, Array] = field(repr=False)
+    rows: dict[str, Array] = field(repr=False)
+
+
+def strike(
+    robot: Robot, impact: Impact, setting: Setting, reference: Reference, follow: float = 0.0
+) -> Strike:
+    """Let the arm hit the box, and follow both until they part.
+
+    Args:
+        robot: the arm.
+        impact: the state at the first touch.
+        setting: how it is made.
+        reference: joint velocities (n,) rad/s that the servos follow, by the time (s) since.
+        follow: s since the first touch, until when both are followed at least; the speeds are
+            those of the first parting.
+
+    Raises:
+        SolverError: they do not touch, or do not part.
+    """
+    bout = _Bout(robot, impact, setting, reference)
+    bout.run_until(lambda now: now.force > 0, "do not touch")
+    touch, approach = bout.now.time, bout.rows[0].robot_speed
+    bout.run_until(lambda now: now.force == 0, "do not part")
+    parting = bout.now
+    restitution = (bout.speed_of(bout.face) - parting.robot_speed) / approach
+    bout.run_until(lambda now: now.force == 0 and now.time >= follow, "do not part")
+    rebound = parting.robot_speed - approach
+    return Strike(
+        object_speed=parting.object_speed,
+        rebound=rebound,
+        inertia=impact.mass * parting.object_speed / -rebound,
+        restitution=restitution,
+        contact_time=parting.time - touch,
+        contacts=bout.contacts,
+        box=bout.pose,
+        rows={name: np.array([getattr(row, name) for row in bout.rows]) for name in Row._fields},
+    )
+
+
+class Row(NamedTuple):
+    """A moment: s; m/s along the hitting direction; N; (n,) rad."""
+
+    time: float
+    robot_speed: float
+    object_speed: float
+    force: float
+    q: Array
+
+
+class _Bout:
+    """A running simulation; what is read in a row belongs to one moment."""
+
+    def __init__(
+        self, robot: Robot, impact: Impact, setting: Setting, reference: Reference
+    ) -> None:
+        kind = engine().mjtObj
+        self.model, self.data = build_scene(robot, impact, setting)
+        self.direction, self.n = impact.direction, robot.n
+        self.reference = reference if setting.servo_gain > 0 else None
+        self.point = kind.mjOBJ_SITE, self.model.site("contact").id
+        self.face = kind.mjOBJ_SITE, self.model.site("face").id
+        self.box = kind.mjOBJ_BODY, self.model.body("box").id
+        self.shape = self.model.geom("contact").id
+        self.contacts = 0
+        self.rows: list[Row] = []
+        self._evaluate()
+
+    @property
+    def now(self) -> Row:
+        """The latest row."""
+        return self.rows[-1]
+
+    @property
+    def pose(self) -> tuple[Array, Array]:
+        """The box's position and quaternion (7,), and its velocity (6,)."""
+        return self.data.qpos[self.n :].copy(), self.data.qvel[self.n :].copy()
+
+    def run_until(self, done: Callable[[Row], bool], complaint: str) -> None:
+        """Step the engine until the latest row is `done`.
+
+        Raises:
+            SolverError: that takes too long.
+        """
+        while not done(self.now):
+            if self.now.time > LONGEST:
+                raise SolverError(f"arm and box {complaint} within {LONGEST:g} s in the engine")
+            touching = self.now.force > 0
+            engine().mj_Euler(self.model, self.data)
+            self._evaluate()
+            self.contacts += self.now.force > 0 and not touching
+
+    def speed_of(self, thing: tuple[Any, int]) -> float:
+        """Return the speed of a body or site along the hitting direction."""
+        velocity = np.zeros(6)
+        engine().mj_objectVelocity(self.model, self.data, *thing, velocity, 0)
+        return float(self.direction @ velocity[3:])
+
+    def _evaluate(self) -> None:
+        """Compute the forces of this moment, and add its row."""
+        data = self.data
+        if self.reference is not None:
+            data.ctrl[:] = self.reference(data.time)
+        engine().mj_forward(self.model, data)
+        speeds = self.speed_of(self.point), self.speed_of(self.box)
+        self.rows.append(Row(data.time, *speeds, self._force(), data.qpos[: self.n].copy()))
+
+    def _force(self) -> float:
+        """Return the force between arm and box along the contact's normal, N."""
+        wrench = np.zeros(6)
+        for i, contact in enumerate(self.data.contact):
+            if self.shape in (contact.geom1, contact.geom2):
+                engine().mj_contactForce(self.model, self.data, i, wrench)
+                return float(wrench[0])
+        return 0.0
