@@ -104,9 +104,17 @@ def count_violations(count: int, *, torque_limits: bool = False) -> dict[str, An
 
 
 def feasible_hits(
-    robot: Robot, count: int, seed: int = 0, refused: Counter[str] | None = None
+    robot: Robot,
+    count: int,
+    seed: int = 0,
+    refused: Counter[str] | None = None,
+    *,
+    away: bool = True,
 ) -> Iterator[tuple[Hit, Preparation]]:
-    """Yield random hits that a plan reaches with a run-up; `refused` counts the others."""
+    """Yield random hits that a plan reaches with a run-up; `refused` counts the others.
+
+    Without `away` the links beyond the joint may point anywhere: the panda has no other hits.
+    """
     rng = np.random.default_rng(seed)
     refused = Counter() if refused is None else refused
     found = 0
@@ -118,14 +126,22 @@ def feasible_hits(
         direction, mass = rng.standard_normal(3), float(rng.uniform(0.5, 4.0))
         share = float(rng.uniform(0.3, 0.8))
         best = plan(
-            robot, target, direction, mass, [joint], "straight-flux", seed=i, certificate=False
+            robot,
+            target,
+            direction,
+            mass,
+            [joint],
+            "straight-flux",
+            away=away,
+            seed=i,
+            certificate=False,
         ).best
         if best is None or best.straight_flux is None or best.straight_flux <= 0.01:
             refused["plan"] += 1
             continue
         hit = Hit(joint, target, direction, mass, share * best.straight_flux)
         try:
-            prepared = prepare(robot, hit, seed=i)
+            prepared = prepare(robot, hit, q_hit=None if away else best.q, seed=i)
         except hj.InfeasibleError as error:
             refused[error.reason.split(":")[0].split(" has ")[-1]] += 1
             continue

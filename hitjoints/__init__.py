@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         SolverError,
     )
     from hitjoints.evidence.paper.reproduce import reproduce
+    from hitjoints.evidence.physics.simulation import simulate
     from hitjoints.evidence.recordings.replay import replay
     from hitjoints.hitting.controller import Controller
     from hitjoints.hitting.hit import Hit
@@ -60,6 +61,7 @@ _HOMES = {
     ),
     "errors": ("HitjointsError", "InfeasibleError", "InputError", "ModelError", "SolverError"),
     "evidence.paper.reproduce": ("reproduce",),
+    "evidence.physics.simulation": ("simulate",),
     "evidence.recordings.replay": ("replay",),
     "hitting.controller": ("Controller",),
     "hitting.hit": ("Hit",),
@@ -123,6 +125,7 @@ __all__ = [
     "required_speed",
     "robot_names",
     "rollout",
+    "simulate",
     "sweep_joint",
     "sweep_workspace",
     "view",

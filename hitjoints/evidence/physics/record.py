@@ -31,6 +31,10 @@ VARIABLES = {
     "box_speed": ("slide_time", "m/s", "speed of the box's centre along the hitting direction"),
 }
 """Dimension, unit and long name of every variable of the data set."""
+CLOCKS = {
+    "time": "time since the arm stands before the box",
+    "slide_time": "time since the box slides alone",
+}
 
 
 @dataclass(frozen=True)
@@ -125,14 +129,14 @@ class Simulation:
             dimension, unit, words = VARIABLES[name]
             dimensions = (dimension, last[name]) if name in last else (dimension,)
             along[name] = (dimensions, values, {"units": unit, "long_name": words})
-        said = {"units": "s", "long_name": "time since the arm stands before the box"}
-        times = {name: (name, values, said) for name, values in coordinates.items()}
-        if "slide_time" in times:
-            times["slide_time"] = (*times["slide_time"][:2], said | {"long_name": SLIDING})
+        times = {
+            name: (name, values, {"units": "s", "long_name": CLOCKS[name]})
+            for name, values in coordinates.items()
+        }
         attributes = origin(self.motion.robot) | {"mode": self.mode, "mass": self.impact.mass}
         attributes |= {name: _plain(value) for name, value in asdict(self.setting).items()}
-        for kind, values in (("predicted", asdict(self.predicted)), ("simulated", self.simulated)):
-            attributes |= {f"{kind}_{k}": v for k, v in values.items() if v is not None}
+        for kind, said in (("predicted", asdict(self.predicted)), ("simulated", self.simulated)):
+            attributes |= {f"{kind}_{k}": v for k, v in said.items() if v is not None}
         return xr.Dataset(along, times, attributes)
 
     def as_dict(self) -> dict[str, Any]:
@@ -166,9 +170,6 @@ class Simulation:
                 "direction_error": at.direction_error,
             },
         }
-
-
-SLIDING = "time since arm and box have parted for good"
 
 
 def _plain(value: Any) -> Any:

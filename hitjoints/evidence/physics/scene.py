@@ -89,7 +89,8 @@ def build_scene(robot: Robot, impact: Impact, setting: Setting) -> tuple[Any, An
     add_box(spec, centre, impact.axes, impact.mass, setting.size)
     face = -setting.size[0] / 2, -setting.off_centre, 0
     spec.body("box").add_site(name="face", pos=face)
-    spring = tuple(-value for value in contact_spring(setting.restitution, setting.contact_time))
+    stiffness, damping = contact_spring(setting.restitution, setting.contact_time)
+    spring = -stiffness, -damping  # below 0 they are no time constants
     _add_pair(spec, "contact", setting.contact_friction, spring, 2 * setting.contact_time)
     if setting.on_table:
         add_table(spec, centre, setting.size, setting.friction, TABLE_STEPS * setting.timestep)

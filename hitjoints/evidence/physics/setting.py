@@ -16,7 +16,7 @@ STEP = 1e-5
 """s, the engine's step at most during the contact, and"""
 STEPS = 100
 """steps in each contact at least."""
-SHORT = 5e-4
+SHORT = 1e-4
 """s, a contact that is an impact."""
 
 

@@ -61,7 +61,7 @@ def simulate(
             and without friction; "realistic": none of that, and each cause on its own as well.
         size: (3,) m, of the box: along the hitting direction, sideways, up.
         friction: coefficient between box and table; 0 leaves the travel out.
-        contact_time: s; 0.0005, or 0.01 when realistic.
+        contact_time: s; 0.0001, or 0.01 when realistic.
         servo_gain: N m s/rad, of every joint's velocity servo, which follows the rollout; 0, or 50
             when realistic.
         contact_friction: coefficient between arm and box; 0, or 0.3 when realistic.

@@ -1,0 +1,80 @@
+"""Hits in the physics engine: `python -m benchmarks.simulation 60` judges 60 random planned."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Iterator
+
+import numpy as np
+
+import hitjoints as hj
+from benchmarks.control import feasible_hits
+from benchmarks.harness import Figure, seconds
+from hitjoints.evidence.physics.record import Simulation
+
+ROBOTS = ("iiwa14", "iiwa7", "panda")
+HITS = 12  # of `python -m benchmarks`
+
+
+def random_simulations(count: int, refused: Counter[str] | None = None) -> Iterator[Simulation]:
+    """Yield ideal simulations of random planned hits with joints 5 to 7 of three arms."""
+    rng = np.random.default_rng(0)
+    for i, name in enumerate(ROBOTS):
+        robot = hj.load_robot(name)
+        share = count // len(ROBOTS) + (i < count % len(ROBOTS))
+        hits = feasible_hits(robot, share, seed=i, refused=refused, away=name != "panda")
+        for hit, found in hits:
+            restitution = float(rng.uniform(0.05, 0.95))
+            yield hj.simulate(robot, hit, restitution=restitution, q0=found.q0, q_hit=found.q_hit)
+
+
+def judge(results: list[Simulation]) -> list[Figure]:
+    """Return how far simulated hits are from predicted ones."""
+
+    def figures(name: str, median: str, most: str) -> list[Figure]:
+        off = 100 * np.array([abs(result.errors[name] or 0.0) for result in results])
+        what = f"{name.replace('_', ' ')} off in {len(results)} ideal simulations"
+        return [
+            Figure(f"{what}, median", float(np.median(off)), "%", median),
+            Figure(f"{what}, most", float(off.max()), "%", most),
+        ]
+
+    return [
+        *figures("inertia", "<= 0.1", "<= 1"),
+        *figures("object_speed", "<= 1", "<= 3"),
+        *figures("rebound", "", ""),
+    ]
+
+
+def measure() -> list[Figure]:
+    """Return the errors of a few ideal simulations, and the time of one from the rollout on."""
+    results = list(random_simulations(HITS))
+    robot, hit = results[0].motion.robot, results[0].motion.hit
+    start = {"q0": results[0].motion.rows["q"][0], "q_hit": results[0].motion.q_hit}
+    spent = min(seconds(lambda: hj.simulate(robot, hit, **start)) for _ in range(5))
+    return [*judge(results), Figure("rollout and ideal simulation of a hit", 1e3 * spent, "ms")]
+
+
+def main(count: int) -> None:
+    """Print every hit's errors, and what they come to."""
+    refused, results = Counter[str](), []
+    print("robot    joint  mass   speed  eps    inertia  errors in %: inertia, object, rebound")
+    for result in random_simulations(count, refused):
+        results.append(result)
+        told, hit = result.predicted, result.motion.hit
+        errors = [
+            100 * (result.errors[name] or 0.0) for name in ("inertia", "object_speed", "rebound")
+        ]
+        print(
+            f"{result.motion.robot.name:8} {result.impact.contact.joint:5}  {hit.mass:5.2f}  "
+            f"{told.speed:5.2f}  {result.setting.restitution:5.2f}  {told.inertia:7.2f}  "
+            + "  ".join(f"{error:+7.3f}" for error in errors)
+        )
+    for figure in judge(results):
+        print(f"{figure.what}: {figure.value:.3g} {figure.unit} {figure.target}")
+    print(f"tried and not feasible: {refused.total()} more hits")
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 60)
