@@ -16,7 +16,7 @@ import typer
 from hitjoints.errors import HitjointsError, InfeasibleError
 from hitjoints.version import __version__
 
-from . import inspect, plan, replay, reproduce, robots, rollout, sweep, view
+from . import inspect, plan, replay, reproduce, robots, rollout, simulate, sweep, view
 from .render import complain, print_json
 
 DONE, FAILED, USAGE, NO = 0, 1, 2, 3
@@ -34,6 +34,7 @@ app.command("inspect")(inspect.inspect)
 app.add_typer(sweep.app, name="sweep")
 app.command("plan")(plan.plan)
 app.command("rollout")(rollout.rollout)
+app.command("simulate")(simulate.simulate)
 app.command("replay")(replay.replay)
 app.command("view")(view.view)
 app.command("reproduce")(reproduce.reproduce)

@@ -89,7 +89,7 @@ def draw_arm(
             raise InputError("object_size", object_size, "a contact and a direction place the box")
         drawn.append(_draw_box(axis, here, h, points(object_size, "object_size")))
     if view:
-        _set_view(axis, np.vstack(drawn))
+        set_view(axis, np.vstack(drawn))
 
 
 def belted_ellipsoid(inverse: ArrayLike, rows: int = 33, columns: int = 64) -> tuple[Array, Array]:
@@ -118,6 +118,43 @@ def belted_ellipsoid(inverse: ArrayLike, rows: int = 33, columns: int = 64) -> t
     mobility = np.einsum("rci,ij,rcj->rc", u, Li, u)
     movable = mobility > MOBILITY_FLOOR
     return u, np.where(movable, 1.0 / np.where(movable, mobility, 1.0), np.inf)
+
+
+def add_solid(axis: Any, corners: Array) -> None:
+    """Draw the object, a box.
+
+    Args:
+        axis: made with projection="3d".
+        corners: (8, 3) m, in the order of `itertools.product((-1, 1), repeat=3)`.
+    """
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
+
+    faces = [(0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5)]
+    solid = Poly3DCollection(
+        [corners[list(face)] for face in faces],
+        facecolor=(*_rgb(BOX), 0.25), edgecolor=BOX, linewidths=1.0, zorder=8, label="object",
+    )  # fmt: skip
+    axis.add_collection3d(solid)
+
+
+def set_view(axis: Any, drawn: Array) -> None:
+    """Set limits, an equal aspect and the point of view for what is drawn: points (N, 3) m."""
+    from matplotlib.ticker import MultipleLocator
+
+    low, high = drawn.min(axis=0), drawn.max(axis=0)
+    low[2] = min(low[2], 0.0)
+    low, high = low - 0.05, high + 0.05
+    low[2] += 0.05
+    axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    axis.set_box_aspect(high - low, zoom=0.88)
+    axis.set(xlabel="x (m)", ylabel="y (m)", zlabel="z (m)")
+    axis.view_init(elev=18, azim=-60)
+    apart = _round_number(float((high - low).max()) / 4)
+    for side in (axis.xaxis, axis.yaxis, axis.zaxis):
+        side.set_major_locator(MultipleLocator(apart))
+        side.set_pane_color((1, 1, 1, 0))
+        side._axinfo["grid"].update(color="#E5E7EB", linewidth=0.6)
+    axis.computed_zorder = False
 
 
 def _draw_links(axis: Any, chain: Array) -> None:
@@ -179,18 +216,11 @@ def _round_number(value: float) -> float:
 
 
 def _draw_box(axis: Any, here: Array, h: Array, size: Array) -> Array:
-    from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
-
     if size.shape != (3,) or not (size > 0).all():
         raise InputError("object_size", size.tolist(), "three lengths above zero")
     half = np.min(size / 2 / np.maximum(np.abs(h), np.finfo(float).tiny))
     corners = here + half * h + size / 2 * np.array(list(product((-1, 1), repeat=3)))
-    faces = [(0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5)]
-    solid = Poly3DCollection(
-        [corners[list(face)] for face in faces],
-        facecolor=(*_rgb(BOX), 0.25), edgecolor=BOX, linewidths=1.0, zorder=8, label="object",
-    )  # fmt: skip
-    axis.add_collection3d(solid)
+    add_solid(axis, corners)
     return np.asarray(corners)
 
 
@@ -198,22 +228,3 @@ def _rgb(colour: str) -> tuple[float, ...]:
     from matplotlib.colors import to_rgb
 
     return to_rgb(colour)
-
-
-def _set_view(axis: Any, drawn: Array) -> None:
-    from matplotlib.ticker import MultipleLocator
-
-    low, high = drawn.min(axis=0), drawn.max(axis=0)
-    low[2] = min(low[2], 0.0)
-    low, high = low - 0.05, high + 0.05
-    low[2] += 0.05
-    axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axis.set_box_aspect(high - low, zoom=0.88)
-    axis.set(xlabel="x (m)", ylabel="y (m)", zlabel="z (m)")
-    axis.view_init(elev=18, azim=-60)
-    apart = _round_number(float((high - low).max()) / 4)
-    for side in (axis.xaxis, axis.yaxis, axis.zaxis):
-        side.set_major_locator(MultipleLocator(apart))
-        side.set_pane_color((1, 1, 1, 0))
-        side._axinfo["grid"].update(color="#E5E7EB", linewidth=0.6)
-    axis.computed_zorder = False

@@ -21,20 +21,20 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 COMPARED = ("object_speed", "rebound", "inertia")
-VARIABLES = {
-    "robot_speed": ("time", "m/s", "speed of the contact point along the hitting direction"),
-    "object_speed": ("time", "m/s", "speed of the box's centre along the hitting direction"),
-    "force": ("time", "N", "force between arm and box along the contact's normal"),
-    "q": ("time", "rad", "joint positions (m for a prismatic joint)"),
-    "box_position": ("slide_time", "m", "centre of the box, robot base frame"),
-    "box_quaternion": ("slide_time", "1", "orientation of the box: w, x, y, z"),
-    "box_speed": ("slide_time", "m/s", "speed of the box's centre along the hitting direction"),
+VARIABLES: dict[str, tuple[str, str, tuple[str, ...]]] = {
+    "time": ("s", "time since the arm stands before the box", ("time",)),
+    "robot_speed": ("m/s", "speed of the contact point along the hitting direction", ("time",)),
+    "object_speed": ("m/s", "speed of the box's centre along the hitting direction", ("time",)),
+    "force": ("N", "force between arm and box along the contact's normal", ("time",)),
+    "q": ("rad", "joint positions (m for a prismatic joint)", ("time", "axis")),
+    "box_position": ("m", "centre of the box, robot base frame", ("time", "coordinate")),
+    "box_quaternion": ("1", "orientation of the box: w, x, y, z", ("time", "component")),
+    "slide_time": ("s", "time since the box slides alone", ("slide_time",)),
+    "slide_position": ("m", "centre of the box, robot base frame", ("slide_time", "coordinate")),
+    "slide_quaternion": ("1", "orientation of the box: w, x, y, z", ("slide_time", "component")),
+    "slide_speed": ("m/s", "speed of the box's centre along the direction", ("slide_time",)),
 }
-"""Dimension, unit and long name of every variable of the data set."""
-CLOCKS = {
-    "time": "time since the arm stands before the box",
-    "slide_time": "time since the box slides alone",
-}
+"""Unit, long name and dimensions of every variable of the data set."""
 
 
 @dataclass(frozen=True)
@@ -89,20 +89,24 @@ class Simulation:
     causes: tuple[Cause, ...] = field(repr=False)
 
     @property
+    def travel(self) -> float | None:
+        """How far the box's centre went along the direction until it rested, m."""
+        if self.slide is None:
+            return None
+        way = self.slide.rows["slide_position"][-1] - self.impact.box_centre(self.setting)
+        return float(self.impact.direction @ way)
+
+    @property
     def simulated(self) -> dict[str, float | None]:
-        """What the engine says; `travel` (m) is that of the box's centre from where it stood."""
-        travel = None
-        if self.slide is not None:
-            way = self.slide.rows["position"][-1] - self.impact.box_centre(self.setting)
-            travel = float(self.impact.direction @ way)
+        """What the engine says, by name."""
         names = (*COMPARED, "restitution", "contact_time", "contacts")
-        return {name: getattr(self.strike, name) for name in names} | {"travel": travel}
+        return {name: getattr(self.strike, name) for name in names} | {"travel": self.travel}
 
     @property
     def errors(self) -> dict[str, float | None]:
         """Simulated over predicted, less 1."""
         found: dict[str, float | None] = dict(self.errors_of(self.strike))
-        told, travel = self.predicted.travel, self.simulated["travel"]
+        told, travel = self.predicted.travel, self.travel
         return found | {"travel": None if told is None or travel is None else travel / told - 1}
 
     def errors_of(self, strike: Strike) -> dict[str, float]:
@@ -118,26 +122,16 @@ class Simulation:
 
         from hitjoints.maps.describe import origin
 
-        rows = {name: values for name, values in self.strike.rows.items() if name != "time"}
-        coordinates = {"time": self.strike.rows["time"]}
-        if self.slide is not None:
-            coordinates["slide_time"] = self.slide.rows["time"]
-            rows |= {f"box_{n}": v for n, v in self.slide.rows.items() if n != "time"}
-        last = {"q": "axis", "box_position": "coordinate", "box_quaternion": "component"}
+        rows = self.strike.rows | ({} if self.slide is None else self.slide.rows)
         along = {}
         for name, values in rows.items():
-            dimension, unit, words = VARIABLES[name]
-            dimensions = (dimension, last[name]) if name in last else (dimension,)
+            unit, words, dimensions = VARIABLES[name]
             along[name] = (dimensions, values, {"units": unit, "long_name": words})
-        times = {
-            name: (name, values, {"units": "s", "long_name": CLOCKS[name]})
-            for name, values in coordinates.items()
-        }
         attributes = origin(self.motion.robot) | {"mode": self.mode, "mass": self.impact.mass}
         attributes |= {name: _plain(value) for name, value in asdict(self.setting).items()}
         for kind, said in (("predicted", asdict(self.predicted)), ("simulated", self.simulated)):
             attributes |= {f"{kind}_{k}": v for k, v in said.items() if v is not None}
-        return xr.Dataset(along, times, attributes)
+        return xr.Dataset(along, attrs=attributes)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the result as JSON knows it."""

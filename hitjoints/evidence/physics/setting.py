@@ -14,7 +14,7 @@ LONGEST_CONTACT = 0.05
 """s; what lasts longer is a push."""
 STEP = 1e-5
 """s, the engine's step at most during the contact, and"""
-STEPS = 100
+STEPS = 200
 """steps in each contact at least."""
 SHORT = 1e-4
 """s, a contact that is an impact."""

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 STEP = 2e-4
 """s."""
-SETTLING = 20
-"""Time constant of box on table, in steps."""
 AT_REST = 1e-3
 """m/s and rad/s: slower than this the box rests."""
 LONGEST = 60.0
@@ -37,8 +35,8 @@ class Slide:
 
     Attributes:
         distance: m, that its centre went along the hitting direction.
-        rows: `time` (s, since the parting), `position` (T, 3) m, `quaternion` (T, 4), `speed`
-            (m/s, along the direction).
+        rows: `slide_time` (s, since the parting), `slide_position` (T, 3) m, `slide_quaternion`
+            (T, 4), and `slide_speed` (m/s), along the direction.
     """
 
     distance: float
@@ -61,7 +59,7 @@ def slide(impact: Impact, setting: Setting, qpos: Array, qvel: Array) -> Slide:
     set_options(spec, STEP)
     centre = impact.box_centre(setting)
     add_box(spec, centre, impact.axes, impact.mass, setting.size)
-    add_table(spec, centre, setting.size, setting.friction, SETTLING * STEP)
+    add_table(spec, centre, setting.size, setting.friction)
     model = spec.compile()
     data = mujoco.MjData(model)
     data.qpos[:], data.qvel[:] = qpos, qvel
@@ -76,9 +74,9 @@ def slide(impact: Impact, setting: Setting, qpos: Array, qvel: Array) -> Slide:
     kept = np.unique(np.linspace(0, len(times) - 1, min(ROWS, len(times))).astype(int))
     pose = np.array(poses)[kept]
     rows = {
-        "time": np.array(times)[kept],
-        "position": pose[:, :3],
-        "quaternion": pose[:, 3:],
-        "speed": np.array(speeds)[kept],
+        "slide_time": np.array(times)[kept],
+        "slide_position": pose[:, :3],
+        "slide_quaternion": pose[:, 3:],
+        "slide_speed": np.array(speeds)[kept],
     }
     return Slide(float(h @ (pose[-1, :3] - qpos[:3])), rows)

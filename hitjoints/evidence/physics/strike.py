@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -35,10 +36,10 @@ class Strike:
         inertia: kg, by the balance of momentum: mass object_speed / -rebound.
         restitution: speed of parting of the two contact points, as a share of that of meeting.
         contact_time: s, from the first touch to the parting.
-        contacts: how often they touch until the arm rests.
+        contacts: how often they touch until the arm rests, apart by a contact's time at least.
         box: the box's position and quaternion (7,), and its velocity (6,), at the end.
         rows: name -> array along time: `time` (s), `robot_speed`, `object_speed` (m/s), `force`
-            (N), and `q` (T, n).
+            (N), `q` (T, n), `box_position` (T, 3) m, `box_quaternion` (T, 4).
     """
 
     object_speed: float
@@ -88,13 +89,15 @@ def strike(
 
 
 class Row(NamedTuple):
-    """A moment: s; m/s along the hitting direction; N; (n,) rad."""
+    """A moment: s; m/s along the hitting direction; N; (n,) rad; (3,) m; (4,)."""
 
     time: float
     robot_speed: float
     object_speed: float
     force: float
     q: Array
+    box_position: Array
+    box_quaternion: Array
 
 
 class _Bout:
@@ -111,7 +114,7 @@ class _Bout:
         self.face = kind.mjOBJ_SITE, self.model.site("face").id
         self.box = kind.mjOBJ_BODY, self.model.body("box").id
         self.shape = self.model.geom("contact").id
-        self.contacts = 0
+        self.contacts, self._touched, self._apart = 0, -math.inf, setting.contact_time
         self.rows: list[Row] = []
         self._evaluate()
 
@@ -134,10 +137,11 @@ class _Bout:
         while not done(self.now):
             if self.now.time > LONGEST:
                 raise SolverError(f"arm and box {complaint} within {LONGEST:g} s in the engine")
-            touching = self.now.force > 0
             engine().mj_Euler(self.model, self.data)
             self._evaluate()
-            self.contacts += self.now.force > 0 and not touching
+            if self.now.force > 0:
+                self.contacts += self.now.time - self._touched > self._apart
+                self._touched = self.now.time
 
     def speed_of(self, thing: tuple[Any, int]) -> float:
         """Return the speed of a body or site along the hitting direction."""
@@ -152,7 +156,9 @@ class _Bout:
             data.ctrl[:] = self.reference(data.time)
         engine().mj_forward(self.model, data)
         speeds = self.speed_of(self.point), self.speed_of(self.box)
-        self.rows.append(Row(data.time, *speeds, self._force(), data.qpos[: self.n].copy()))
+        state = data.qpos.copy()
+        parts = np.split(state, (self.n, self.n + 3))
+        self.rows.append(Row(data.time, *speeds, self._force(), *parts))
 
     def _force(self) -> float:
         """Return the force between arm and box along the contact's normal, N."""

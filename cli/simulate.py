@@ -1,0 +1,202 @@
+"""`hitjoints simulate`: a planned hit in a physics engine, predicted against simulated."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .asked import (
+    FLUX,
+    ContactOffsetOption,
+    DirectionAsked,
+    FluxOption,
+    JointAsked,
+    MassAsked,
+    ObjectAsked,
+    PlanOption,
+    Q0Option,
+    StartOption,
+    read_asked,
+)
+from .options import (
+    ORIGIN,
+    ROBOT,
+    JsonOption,
+    OutOption,
+    PlotOption,
+    RobotOption,
+    SeedOption,
+    TorquesOption,
+    check_outputs,
+    triple,
+)
+from .render import complain, print_json, print_table
+
+if TYPE_CHECKING:
+    from hitjoints.evidence.physics.record import Cause, Simulation
+
+SHOWN = {
+    "servo": "{:g} N m s/rad",
+    "contact time": "{:g} s",
+    "contact friction": "{:g}",
+    "off-centre": "{:g} m",
+    "table": "box stands on it",
+}
+"""How the value of each cause is printed."""
+
+
+def simulate(
+    robot: RobotOption = ROBOT,
+    position: ObjectAsked = None,
+    direction: DirectionAsked = None,
+    mass: MassAsked = None,
+    joint: JointAsked = None,
+    contact_offset: ContactOffsetOption = ORIGIN,
+    flux: FluxOption = FLUX,
+    restitution: Annotated[
+        float, typer.Option("--restitution", help="Of arm and object, from 0 to 1.")
+    ] = 0.5,
+    realistic: Annotated[
+        bool,
+        typer.Option(
+            "--realistic/--ideal",
+            help="A servo, friction, off centre, a long contact; or none of that.",
+        ),
+    ] = False,
+    size: Annotated[
+        str,
+        typer.Option("--size", metavar="X,Y,Z", help="Box along the direction, sideways, up (m)."),
+    ] = "0.1,0.1,0.1",
+    friction: Annotated[float, typer.Option("--friction", help="Between box and table.")] = 0.3,
+    contact_time: Annotated[
+        float | None,
+        typer.Option("--contact-time", metavar="S", help="(default: 0.0001; realistic: 0.01)"),
+    ] = None,
+    servo_gain: Annotated[
+        float | None,
+        typer.Option(
+            "--servo-gain", metavar="N M S/RAD", help="Of the joints. (default: 0; realistic: 50)"
+        ),
+    ] = None,
+    contact_friction: Annotated[
+        float | None,
+        typer.Option(
+            "--contact-friction", help="Between arm and box. (default: 0; realistic: 0.3)"
+        ),
+    ] = None,
+    off_centre: Annotated[
+        float | None,
+        typer.Option(
+            "--off-centre", metavar="M", help="Of the contact. (default: 0; realistic: 0.02)"
+        ),
+    ] = None,
+    plan: PlanOption = None,
+    q0: Q0Option = None,
+    start: StartOption = None,
+    torque_limits: TorquesOption = False,
+    out: OutOption = None,
+    plot: PlotOption = None,
+    animate: Annotated[
+        Path | None, typer.Option("--animate", metavar="FILE", help="Draw the hit moving: .gif.")
+    ] = None,
+    seed: SeedOption = 0,
+    as_json: JsonOption = False,
+) -> None:
+    """Simulate a planned hit in a physics engine (MuJoCo) and compare it with the prediction.
+
+    The arm follows a rollout up to the impact and hits a box, which slides on a table until it
+    stops. An ideal hit must agree; a realistic one shows how far the model is off, and why.
+    """
+    from hitjoints.evidence.physics.simulation import simulate as run
+    from hitjoints.maps.files import DATASET_ENDINGS
+    from hitjoints.show.animation import ANIMATION_ENDINGS
+
+    check_outputs(plot, (out, "out", DATASET_ENDINGS), (animate, "animate", ANIMATION_ENDINGS))
+    arm, hit, starts = read_asked(
+        robot, position, direction, mass, joint, contact_offset, flux, plan, q0, start
+    )
+    result = run(
+        arm,
+        hit,
+        restitution=restitution,
+        mode="realistic" if realistic else "ideal",
+        size=triple(size, "size"),
+        friction=friction,
+        contact_time=contact_time,
+        servo_gain=servo_gain,
+        contact_friction=contact_friction,
+        off_centre=off_centre,
+        **starts,
+        torque_limits=torque_limits,
+        seed=seed,
+    )
+    _write(result, out, plot, animate)
+    if as_json:
+        asked = {"robot": robot, "joint": result.impact.contact.joint, "flux": flux}
+        print_json(asked | result.as_dict())
+    else:
+        _print(result)
+    for path in (out, plot, animate):
+        if path is not None:
+            complain("written", str(path))
+
+
+def _write(result: Simulation, out: Path | None, plot: Path | None, animate: Path | None) -> None:
+    if out is not None:
+        from hitjoints.hitting.record import flattened
+        from hitjoints.maps.files import write_dataset
+
+        dataset = result.dataset
+        if out.suffix == ".csv":  # a table has one time: that of the contact
+            dataset = flattened(dataset.drop_dims("slide_time", errors="ignore"))
+        write_dataset(dataset, out)
+    if plot is not None:
+        from hitjoints.show.figures import save_figure
+        from hitjoints.show.simulation import draw_simulation
+
+        save_figure(draw_simulation(result), plot)
+    if animate is not None:
+        from hitjoints.show.animation import save_animation
+
+        save_animation(result, animate)
+
+
+def _print(result: Simulation) -> None:
+    told, found, errors, hit = result.predicted, result.strike, result.errors, result.motion.hit
+    robot, joint, how = result.motion.robot, result.impact.contact.joint, result.setting
+    rows = [
+        ("object speed", told.object_speed, found.object_speed, errors["object_speed"], "m/s"),
+        ("rebound", told.rebound, found.rebound, errors["rebound"], "m/s"),
+        ("inertia", told.inertia, found.inertia, errors["inertia"], "kg"),
+        ("restitution", how.restitution, found.restitution, None, ""),
+        ("contact time", 1e3 * how.contact_time, 1e3 * found.contact_time, None, "ms"),
+        ("travel", told.travel, result.travel, errors["travel"], "m"),
+    ]
+    at = ", ".join(f"{v:g}" for v in hit.position)
+    along = ", ".join(f"{v:.4g}" for v in hit.direction)
+    print_table(
+        f"{robot.title}: joint {joint} hits {hit.mass:g} kg at ({at}) m along ({along}) "
+        f"with {told.speed:.4g} m/s, {result.mode}",
+        ("", "predicted", "simulated", "off by", "unit"),
+        [(*row[:3], _percent(row[3]), row[4]) for row in rows],
+        caption="simulated inertia: by the balance of momentum",
+    )
+    if result.causes:
+        print_table(
+            "How far off each cause brings them, alone, and what is left without it",
+            ("cause", "is", "object speed", "without", "rebound", "without", "inertia", "without"),
+            [_share(result, cause) for cause in result.causes],
+        )
+
+
+def _share(result: Simulation, cause: Cause) -> tuple[object, ...]:
+    alone, without = result.errors_of(cause.alone), result.errors_of(cause.without)
+    pairs = [(_percent(alone[name]), _percent(without[name])) for name in alone]
+    is_set = SHOWN[cause.name].format(cause.value)
+    return cause.name, is_set, *pairs[0], *pairs[1], *pairs[2]
+
+
+def _percent(share: float | None) -> str:
+    return "-" if share is None else f"{100 * share:+.2f} %"
