@@ -105,11 +105,10 @@ class _Film:
         """Return the corners (8, 3) of the box."""
         row = max(0, int(np.searchsorted(self.box_times, time, side="right")) - 1)
         half = np.array(self.result.setting.size) / 2 * np.array(list(product((-1, 1), repeat=3)))
-        return self.centres[row] + half @ _rotation(self.turns[row]).T
+        return np.asarray(self.centres[row] + half @ _rotation(self.turns[row]).T)
 
 
 def _rotation(quaternion: Array) -> Array:
     import pinocchio as pin
 
-    matrix: Array = pin.Quaternion(*quaternion).toRotationMatrix()
-    return matrix
+    return np.asarray(pin.Quaternion(*quaternion).toRotationMatrix())

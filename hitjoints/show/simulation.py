@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-BOX = "#000000"
+BOX, TOLD = "#000000", COLOURS[0]
 AROUND = 0.6
 """Of the contact's time, drawn before it and after it."""
 SMALL = 1.0
@@ -110,12 +110,14 @@ def _draw_way(speeds: Axes, ways: Axes, result: Simulation) -> None:
         label = f"arm, which touches the box {result.strike.contacts} times"
         speeds.plot(rows["time"], rows["robot_speed"], color=colour, label=label)
     speeds.plot(time, speed, color=BOX, label="box")
-    speeds.plot(until, told.object_speed - slowing * until, "--", color=BOX, lw=1)
+    speeds.plot(
+        until, told.object_speed - slowing * until, "--", color=TOLD, lw=1.2, label="predicted"
+    )
     speeds.set_ylabel("speed along the direction (m/s)")
     ways.plot(time, 1e3 * way, color=BOX, label="box, simulated")
     ways.plot(
-        until, 1e3 * (told.object_speed - slowing * until / 2) * until, "--", color=BOX, lw=1,
-        label="predicted",
+        until, 1e3 * (told.object_speed - slowing * until / 2) * until, "--", color=TOLD,
+        lw=1.2, label="predicted",
     )  # fmt: skip
     ways.set_ylabel("way of the box (mm)")
     for axis, title in ((speeds, "until the box rests"), (ways, "travel")):
