@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     Reference = Callable[[float], Array]
 
-LONGEST = 0.5
-"""s, after which arm and box are thought to stay together."""
+TOGETHER = 3.0
+"""Contact times after which an impact is over, though the arm may still push: plastic ones end so.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,11 +32,12 @@ class Strike:
     """What the engine makes of an impact.
 
     Attributes:
-        object_speed: m/s, of the box's centre along the hitting direction when they part.
+        object_speed: m/s, of the box's centre along the hitting direction when they part, or when
+            the impact is over, though they stay together.
         rebound: m/s, change of the contact point's speed along it, negative.
         inertia: kg, by the balance of momentum: mass object_speed / -rebound.
         restitution: speed of parting of the two contact points, as a share of that of meeting.
-        contact_time: s, from the first touch to the parting.
+        contact_time: s, from the first touch until then.
         contacts: how often they touch until the arm rests, apart by a contact's time at least.
         box: the box's position and quaternion (7,), and its velocity (6,), at the end.
         rows: name -> array along time: `time` (s), `robot_speed`, `object_speed` (m/s), `force`
@@ -62,19 +64,24 @@ def strike(
         impact: the state at the first touch.
         setting: how it is made.
         reference: joint velocities (n,) rad/s that the servos follow, by the time (s) since.
-        follow: s since the first touch, until when both are followed at least; the speeds are
-            those of the first parting.
+        follow: s, until when both are followed at least; the speeds are those of the first parting.
 
     Raises:
-        SolverError: they do not touch, or do not part.
+        SolverError: the arm leaves the box before it has touched it.
     """
     bout = _Bout(robot, impact, setting, reference)
-    bout.run_until(lambda now: now.force > 0, "do not touch")
+    while bout.now.force == 0:
+        if bout.now.time > setting.contact_time:
+            raise SolverError("the arm does not touch the box in the engine")
+        bout.step()
     touch, approach = bout.now.time, bout.rows[0].robot_speed
-    bout.run_until(lambda now: now.force == 0, "do not part")
+    over = touch + TOGETHER * setting.contact_time
+    while bout.now.force > 0 and bout.now.time < over:
+        bout.step()
     parting = bout.now
     restitution = (bout.speed_of(bout.face) - parting.robot_speed) / approach
-    bout.run_until(lambda now: now.force == 0 and now.time >= follow, "do not part")
+    while bout.now.time < follow:
+        bout.step()
     rebound = parting.robot_speed - approach
     return Strike(
         object_speed=parting.object_speed,
@@ -128,20 +135,13 @@ class _Bout:
         """The box's position and quaternion (7,), and its velocity (6,)."""
         return self.data.qpos[self.n :].copy(), self.data.qvel[self.n :].copy()
 
-    def run_until(self, done: Callable[[Row], bool], complaint: str) -> None:
-        """Step the engine until the latest row is `done`.
-
-        Raises:
-            SolverError: that takes too long.
-        """
-        while not done(self.now):
-            if self.now.time > LONGEST:
-                raise SolverError(f"arm and box {complaint} within {LONGEST:g} s in the engine")
-            engine().mj_Euler(self.model, self.data)
-            self._evaluate()
-            if self.now.force > 0:
-                self.contacts += self.now.time - self._touched > self._apart
-                self._touched = self.now.time
+    def step(self) -> None:
+        """Go on by one step of the engine."""
+        engine().mj_Euler(self.model, self.data)
+        self._evaluate()
+        if self.now.force > 0:
+            self.contacts += self.now.time - self._touched > self._apart
+            self._touched = self.now.time
 
     def speed_of(self, thing: tuple[Any, int]) -> float:
         """Return the speed of a body or site along the hitting direction."""
