@@ -113,7 +113,8 @@ class _Bout:
     def __init__(
         self, robot: Robot, impact: Impact, setting: Setting, reference: Reference
     ) -> None:
-        kind = engine().mjtObj
+        self.mujoco = engine()
+        kind = self.mujoco.mjtObj
         self.model, self.data = build_scene(robot, impact, setting)
         self.direction, self.n = impact.direction, robot.n
         self.reference = reference if setting.servo_gain > 0 else None
@@ -137,7 +138,7 @@ class _Bout:
 
     def step(self) -> None:
         """Go on by one step of the engine."""
-        engine().mj_Euler(self.model, self.data)
+        self.mujoco.mj_Euler(self.model, self.data)
         self._evaluate()
         if self.now.force > 0:
             self.contacts += self.now.time - self._touched > self._apart
@@ -146,7 +147,7 @@ class _Bout:
     def speed_of(self, thing: tuple[Any, int]) -> float:
         """Return the speed of a body or site along the hitting direction."""
         velocity = np.zeros(6)
-        engine().mj_objectVelocity(self.model, self.data, *thing, velocity, 0)
+        self.mujoco.mj_objectVelocity(self.model, self.data, *thing, velocity, 0)
         return float(self.direction @ velocity[3:])
 
     def _evaluate(self) -> None:
@@ -154,17 +155,17 @@ class _Bout:
         data = self.data
         if self.reference is not None:
             data.ctrl[:] = self.reference(data.time)
-        engine().mj_forward(self.model, data)
+        self.mujoco.mj_forward(self.model, data)
         speeds = self.speed_of(self.point), self.speed_of(self.box)
         state = data.qpos.copy()
-        parts = np.split(state, (self.n, self.n + 3))
+        parts = state[: self.n], state[self.n : self.n + 3], state[self.n + 3 :]
         self.rows.append(Row(data.time, *speeds, self._force(), *parts))
 
     def _force(self) -> float:
         """Return the force between arm and box along the contact's normal, N."""
+        touching = np.flatnonzero((self.data.contact.geom == self.shape).any(axis=1))
+        if not touching.size:
+            return 0.0
         wrench = np.zeros(6)
-        for i, contact in enumerate(self.data.contact):
-            if self.shape in (contact.geom1, contact.geom2):
-                engine().mj_contactForce(self.model, self.data, i, wrench)
-                return float(wrench[0])
-        return 0.0
+        self.mujoco.mj_contactForce(self.model, self.data, touching[0], wrench)
+        return float(wrench[0])
