@@ -26,6 +26,7 @@ MODULES = (
     "control",
     "learning",
     "recordings",
+    "simulation",
 )
 PACKAGES = ("pin", "proxsuite", "numpy", "scipy", "llvmlite", "xarray", "zarr")
 
