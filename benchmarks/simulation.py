@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections import Counter
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -12,21 +13,29 @@ import hitjoints as hj
 from benchmarks.control import feasible_hits
 from benchmarks.harness import Figure, seconds
 from hitjoints.evidence.physics.record import Simulation
+from hitjoints.evidence.physics.setting import MODES
 
 ROBOTS = ("iiwa14", "iiwa7", "panda")
 HITS = 12  # of `python -m benchmarks`
 
 
-def random_simulations(count: int, refused: Counter[str] | None = None) -> Iterator[Simulation]:
-    """Yield ideal simulations of random planned hits with joints 5 to 7 of three arms."""
+def random_simulations(
+    count: int, refused: Counter[str] | None = None, **changes: Any
+) -> Iterator[Simulation]:
+    """Yield simulations of random planned hits with joints 5 to 7 of three arms: ideal ones.
+
+    `changes` are passed on to `simulate`.
+    """
     rng = np.random.default_rng(0)
     for i, name in enumerate(ROBOTS):
         robot = hj.load_robot(name)
         share = count // len(ROBOTS) + (i < count % len(ROBOTS))
         hits = feasible_hits(robot, share, seed=i, refused=refused, away=name != "panda")
         for hit, found in hits:
-            restitution = float(rng.uniform(0.05, 0.95))
-            yield hj.simulate(robot, hit, restitution=restitution, q0=found.q0, q_hit=found.q_hit)
+            eps = float(rng.uniform(0.05, 0.95))
+            yield hj.simulate(
+                robot, hit, restitution=eps, q0=found.q0, q_hit=found.q_hit, **changes
+            )
 
 
 def judge(results: list[Simulation]) -> list[Figure]:
@@ -56,6 +65,21 @@ def measure() -> list[Figure]:
     return [*judge(results), Figure("rollout and ideal simulation of a hit", 1e3 * spent, "ms")]
 
 
+def causes(count: int) -> dict[str, dict[str, list[float]]]:
+    """Return the errors (%) of random planned hits, by each cause alone and by all of them.
+
+    The box stands on no table: the hits go in all directions.
+    """
+    changes: dict[str, Any] = {k: v for k, v in MODES["realistic"].items() if k != "on_table"}
+    found: dict[str, dict[str, list[float]]] = {}
+    for result in random_simulations(count, **changes):
+        strikes = {cause.name: cause.alone for cause in result.causes} | {"all": result.strike}
+        for cause, strike in strikes.items():
+            for name, error in result.errors_of(strike).items():
+                found.setdefault(cause, {}).setdefault(name, []).append(100 * abs(error))
+    return found
+
+
 def main(count: int) -> None:
     """Print every hit's errors, and what they come to."""
     refused, results = Counter[str](), []
@@ -74,6 +98,10 @@ def main(count: int) -> None:
     for figure in judge(results):
         print(f"{figure.what}: {figure.value:.3g} {figure.unit} {figure.target}")
     print(f"tried and not feasible: {refused.total()} more hits")
+    print("off by, median and most in %:       object speed         rebound         inertia")
+    for cause, found in causes(count).items():
+        cells = (f"{np.median(off):7.2f} {np.max(off):7.2f}" for off in found.values())
+        print(f"{cause:32} " + " ".join(cells))
 
 
 if __name__ == "__main__":
