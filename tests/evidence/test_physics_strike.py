@@ -2,13 +2,14 @@
 
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
 
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InputError
-from hitjoints.evidence.physics.scene import Impact
+from hitjoints.evidence.physics.scene import Impact, build_scene
 from hitjoints.evidence.physics.setting import Setting, setting
 from hitjoints.evidence.physics.slide import slide
 from hitjoints.evidence.physics.strike import strike
@@ -113,12 +114,41 @@ def test_any_direction_and_the_point_behind_the_contact(arm):
         assert np.linalg.det(impact.axes) == pytest.approx(1)
 
 
-def test_a_servo_makes_the_arm_heavier_and_a_limited_one_less_so(arm):
+def test_a_servo_makes_the_arm_heavier(arm):
     robot = arm("iiwa14")
     impact = impact_of(robot)
     how = Setting(contact_time=0.01)
     gains = [free(robot, impact, replace(how, servo_gain=gain)).inertia for gain in (0, 20, 100)]
     assert gains[0] < gains[1] < gains[2]
+
+
+def test_a_servo_is_as_strong_as_its_motor(arm):
+    robot = arm("iiwa14")
+    model, data = build_scene(robot, impact_of(robot), Setting(servo_gain=1000.0))
+    data.ctrl[:] = 100.0
+    mujoco.mj_forward(model, data)
+    np.testing.assert_allclose(data.qfrc_actuator[: robot.n], robot.effort)
+
+
+def test_friction_drags_the_box_along_sideways(arm):
+    # Sliding all the time, so Coulomb's law with its equality: the share mu of the impulse.
+    robot, friction = arm("iiwa14"), 0.1
+    impact = impact_of(robot)
+    jac = jacobian(robot, impact.q, impact.contact)
+    wanted = impact.axes @ np.array([0.8, 1.5, 0.0])
+    impact = replace(impact, qd=np.linalg.lstsq(jac, wanted)[0])
+    found = free(robot, impact, Setting(0.5, contact_friction=friction))
+    forward, sideways, _ = impact.axes.T @ found.box[1][:3]
+    assert sideways / forward == pytest.approx(friction, rel=0.02)
+
+
+def test_the_table_takes_its_part_of_the_impulse(arm):
+    robot, time, friction = arm("iiwa14"), 0.02, 0.5
+    how = Setting(friction=friction, contact_time=time, on_table=True)
+    found = free(robot, impact_of(robot), how)
+    impulse = found.rows["force"][:-1] @ np.diff(found.rows["time"])
+    lost = friction * MASS * 9.81 * found.contact_time
+    assert impulse - MASS * found.object_speed == pytest.approx(lost, rel=0.1)
 
 
 @pytest.mark.parametrize(("speed", "friction"), [(0.3, 0.3), (1.0, 0.2), (1.7, 0.6), (2.5, 0.4)])
