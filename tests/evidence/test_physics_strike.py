@@ -180,8 +180,8 @@ def test_what_a_mode_sets_and_what_is_asked_for_instead():
     [
         ("restitution", 1.5), ("restitution", -0.1), ("restitution", float("nan")),
         ("size", (0.1, 0.1)), ("size", (0.1, 0.0, 0.1)), ("size", (0.1, float("inf"), 0.1)),
-        ("friction", -0.1), ("friction", float("nan")), ("servo_gain", -1.0),
-        ("contact_friction", float("inf")), ("contact_time", 0.0), ("contact_time", 0.06),
+        ("friction", -0.1), ("friction", float("nan")), ("servo_gain", -1.0), ("servo_gain", 2e4),
+        ("contact_friction", float("inf")), ("contact_time", 1e-7), ("contact_time", 0.06),
         ("contact_time", float("nan")), ("off_centre", 0.05), ("off_centre", float("nan")),
     ],
 )  # fmt: skip

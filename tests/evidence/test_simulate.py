@@ -97,6 +97,12 @@ def test_the_servos_follow_the_rollout(realistic):
     assert abs(rows["robot_speed"][-1]) < 0.3 * realistic.predicted.speed
 
 
+def test_a_servo_without_a_table_lets_the_box_go(arm):
+    result = simulate(arm("iiwa14"), default_hit(), servo_gain=50.0)
+    slides = result.strike.object_speed**2 / (2 * 0.3 * 9.81)
+    assert result.travel == pytest.approx(slides, rel=0.015)
+
+
 def test_no_travel_without_a_level_table_or_friction(arm):
     for changes, more in (({"direction": [0, 1, 0.3]}, {}), ({}, {"friction": 0.0})):
         result = simulate(arm("iiwa14"), default_hit(**changes), **more)

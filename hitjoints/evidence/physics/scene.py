@@ -103,11 +103,14 @@ def build_scene(robot: Robot, impact: Impact, setting: Setting) -> tuple[Any, An
 
 
 def set_options(spec: Any, timestep: float) -> None:
-    """Set the engine up for contacts that are computed to the last digit."""
+    """Set the engine up for contacts that are computed to the last digit.
+
+    The integrator is Euler's, but implicit in what servos make of velocities.
+    """
     mujoco = engine()
     option = spec.option
     option.timestep = timestep
-    option.integrator = mujoco.mjtIntegrator.mjINT_EULER
+    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     option.tolerance, option.iterations = 1e-12, 100
     option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_DIAGEXACT)
@@ -119,7 +122,7 @@ def add_box(
     """Add a free box of even density."""
     mujoco = engine()
     box = spec.worldbody.add_body(name="box", pos=centre, quat=quaternion(axes))
-    box.add_freejoint(name="box")
+    box.add_freejoint()
     half = [edge / 2 for edge in size]
     _silent(box.add_geom(name="box", type=mujoco.mjtGeom.mjGEOM_BOX, size=half, mass=mass))
 

@@ -10,8 +10,10 @@ from hitjoints.errors import InputError, UnknownNameError
 from hitjoints.evidence.physics.restitution import check_restitution
 
 Mode = Literal["ideal", "realistic"]
-LONGEST_CONTACT = 0.05
-"""s; what lasts longer is a push."""
+SHORTEST_CONTACT, LONGEST_CONTACT = 1e-6, 0.05
+"""s; what lasts longer is a push, and what is shorter drowns in rounding."""
+STRONGEST = 1e4
+"""N m s/rad, of a servo; with more the engine's step is too long for the lightest links."""
 STEP = 1e-5
 """s, the engine's step at most during the contact, and"""
 STEPS = 200
@@ -55,8 +57,10 @@ class Setting:
             value = getattr(self, name)
             if not 0 <= value < math.inf:
                 raise InputError(name, value, "it must not be below 0")
-        if not 0 < self.contact_time <= LONGEST_CONTACT:
-            expected = f"a contact lasts more than 0 s and at most {LONGEST_CONTACT:g} s"
+        if self.servo_gain > STRONGEST:
+            raise InputError("servo_gain", self.servo_gain, f"at most {STRONGEST:g} N m s/rad")
+        if not SHORTEST_CONTACT <= self.contact_time <= LONGEST_CONTACT:
+            expected = f"a contact lasts {SHORTEST_CONTACT:g} s to {LONGEST_CONTACT:g} s"
             raise InputError("contact_time", self.contact_time, expected)
         half = self.size[1] / 2
         if not abs(self.off_centre) < half:

@@ -99,7 +99,9 @@ def simulate(
     impact = impact_of(motion)
     predicted = predict(motion, how)
     servos = Reference(motion)
-    result = strike(robot, impact, how, servos, servos.rest if how.servo_gain > 0 else 0.0)
+    # Servos may push the box again, which they could not while nothing slows it down.
+    pushes = how.on_table and how.servo_gain > 0
+    result = strike(robot, impact, how, servos, servos.rest if pushes else 0.0)
     slides = impact.level and how.friction > 0
     slid = slide(impact, how, *result.box) if slides else None
     causes = tuple(

@@ -138,7 +138,7 @@ class _Bout:
 
     def step(self) -> None:
         """Go on by one step of the engine."""
-        self.mujoco.mj_Euler(self.model, self.data)
+        self.mujoco.mj_implicit(self.model, self.data)
         self._evaluate()
         if self.now.force > 0:
             self.contacts += self.now.time - self._touched > self._apart
