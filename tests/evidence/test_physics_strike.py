@@ -188,3 +188,8 @@ def test_what_a_mode_sets_and_what_is_asked_for_instead():
 def test_what_cannot_be_set(name, value):
     with pytest.raises(InputError, match=f"^{name} = "):
         setting("ideal", **{name: value})
+
+
+def test_an_unknown_mode_lists_the_known_ones():
+    with pytest.raises(InputError, match="ideal, realistic"):
+        setting("perfect")
