@@ -14,7 +14,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.harness import Figure, Row
+from benchmarks.harness import Figure, Remark, Row
 
 MODULES = (
     "startup",
@@ -29,7 +29,7 @@ MODULES = (
     "simulation",
 )
 PACKAGES = ("pin", "proxsuite", "numpy", "scipy", "llvmlite", "xarray", "zarr")
-
+PEERS = ("pybullet", "qpsolvers", "osqp")
 
 TABLE = Path(__file__).parents[1] / "docs" / "benchmarks_table.md"
 COLUMNS = ("what", "ours", "peer", "ours", "peer", "ratio", "min .. max", "target", "")
@@ -38,7 +38,7 @@ COLUMNS = ("what", "ours", "peer", "ours", "peer", "ratio", "min .. max", "targe
 def main(words: list[str]) -> None:
     """Measure, print, and with --write keep the table for the documentation."""
     chosen = [word for word in words if not word.startswith("-")] or list(MODULES)
-    rows: list[Row | Figure] = []
+    rows: list[Row | Figure | Remark] = []
     for name in chosen:
         print(f"measuring {name} ...", file=sys.stderr)
         rows += import_module(f"benchmarks.{name}").measure()
@@ -57,17 +57,26 @@ def main(words: list[str]) -> None:
 
 
 def _circumstances() -> str:
-    versions = ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES)
+    versions = ", ".join(map(_version, PACKAGES + PEERS))
     return (
         f"{date.today()}, `python -m benchmarks`, {platform.machine()} with {os.cpu_count()} "
         f"processors, Python {platform.python_version()}; {versions}"
     )
 
 
-def _cells(row: Row | Figure) -> tuple[str, ...]:
-    verdict = "" if not row.target else "met" if row.met else "NOT met"
+def _version(package: str) -> str:
+    try:
+        return f"{package} {metadata.version(package)}"
+    except metadata.PackageNotFoundError:
+        return f"no {package}"
+
+
+def _cells(row: Row | Figure | Remark) -> tuple[str, ...]:
+    if isinstance(row, Remark):
+        return row.what, "", row.peer, "", "", "", "", "", row.verdict
     if isinstance(row, Figure):
-        return row.what, f"{row.value:.3g} {row.unit}", "", "", "", "", "", row.target, verdict
+        value = f"{row.value:.3g} {row.unit}"
+        return row.what, value, "", "", "", "", "", row.target, row.verdict
     return (
         row.what,
         row.ours,
@@ -77,7 +86,7 @@ def _cells(row: Row | Figure) -> tuple[str, ...]:
         f"{row.ratio:.3g}x {'the cost' if row.meaning == 'cost' else 'faster'}",
         f"{row.low:.3g} .. {row.high:.3g}",
         row.target,
-        verdict,
+        row.verdict,
     )
 
 

@@ -1,4 +1,4 @@
-"""The control step's time, and counts over many random rollouts.
+"""The control step's time, alone and against the authors' stack; counts over many rollouts.
 
 `python -m benchmarks control` measures the step; `python -m benchmarks.control 1000 300` also
 counts broken limits over 1000 random rollouts and judges 300 random planned hits.
@@ -10,13 +10,16 @@ import statistics
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import hitjoints as hj
-from benchmarks.harness import Figure
+from benchmarks.contest import Peer, contest, near
+from benchmarks.harness import Figure, Remark, Row, Work
+from benchmarks.peers.control_step import PyBulletStep, Solve
+from benchmarks.peers.osqp import OsqpInPlace, QpSolvers
 from hitjoints.hitting.controller import Controller
 from hitjoints.hitting.hit import Hit
 from hitjoints.hitting.prepare import Preparation, prepare
@@ -25,28 +28,68 @@ from hitjoints.hitting.rollout import rollout
 from hitjoints.planning.plan import plan
 from hitjoints.robot import Robot
 
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
 JOINTS = (5, 6, 7)
 TRIES = 20  # random hits tried for each feasible one
 
 
-def measure() -> list[Figure]:
+def measure() -> list[Row | Figure | Remark]:
     """Return the time of a full control step: kinematics, inertia, gradient, Eq. 12, law."""
     robot = hj.load_robot("iiwa14")
     hit = Hit(6, np.array([0.5, 0.3, 0.5]), np.array([0.0, 1.0, 0.0]), 2.0, 0.3)
     found = prepare(robot, hit)
     times: list[float] = []
     for dt in (0.005, 0.002, 0.001) * 8:
-        controller, q = Controller(robot, hit, found.q_hit, dt=dt), found.q0
-        while not controller.arrived:
-            begin = time.perf_counter()
-            qd = controller.step(q)
-            times.append(time.perf_counter() - begin)
-            q = np.clip(q + dt * qd, robot.lower, robot.upper)
+        times += walk(Controller(robot, hit, found.q_hit, dt=dt), found.q0)[1]
     micro = 1e6 * np.array(times)
     return [
         Figure("control step, median", float(np.median(micro)), "us", "<= 120"),
         Figure("control step, 99th percentile", float(np.percentile(micro, 99)), "us", "<= 400"),
+        *against_authors(Controller(robot, hit, found.q_hit), found.q0),
     ]
+
+
+def walk(controller: Controller, q: Array) -> tuple[list[Array], list[float]]:
+    """Return the configurations (n,) rad of a hit from q, and the time (s) of each step."""
+    path, times = [], []
+    while not controller.arrived:
+        path.append(q)
+        begin = time.perf_counter()
+        qd = controller.step(q)
+        times.append(time.perf_counter() - begin)
+        q = controller.follow(q, qd)
+    return path, times
+
+
+def against_authors(controller: Controller, q0: Array) -> list[Row | Remark]:
+    """Return the gain over the same steps made with PyBullet, differences and OSQP."""
+    robot, hit, path = controller.robot, controller.hit, walk(controller, q0)[0]
+    joint = controller.contact.joint
+    count = len(path)
+
+    def ours() -> list[Array]:
+        return [controller.step(q) for q in path]
+
+    def theirs(solver: Callable[[], Solve]) -> Callable[[], Work]:
+        def make() -> Work:
+            step = PyBulletStep(robot, hit, joint, controller.posture, controller.dt, solver)
+            return lambda: [step(q) for q in path]
+
+        return make
+
+    return contest(
+        "control step",
+        ("Controller.step", ours, count),
+        [
+            Peer("PyBullet, differences, qpsolvers + OSQP", theirs(QpSolvers), count, ">= 6"),
+            Peer("PyBullet, differences, OSQP set up once", theirs(OsqpInPlace), count),
+        ],
+        near(ours(), 1e-5),
+    )
 
 
 def broken_limits(result: Rollout) -> int:

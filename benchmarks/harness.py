@@ -21,6 +21,7 @@ class Row:
         ratio: median of the paired ratios named by `meaning`; low, high: their extremes.
         meaning: "cost" is ours / peer, "gain" is peer / ours.
         target: what the ratio should be, such as "<= 2.5".
+        contest: the peer is what a user would otherwise use, and its answers agree with ours.
     """
 
     what: str
@@ -33,11 +34,18 @@ class Row:
     high: float
     meaning: str
     target: str = ""
+    contest: bool = False
 
     @property
     def met(self) -> bool:
         """The target is reached (or there is none)."""
         return meets(self.ratio, self.target)
+
+    @property
+    def verdict(self) -> str:
+        """Whether the target is met, and who is slower."""
+        slower = self.ratio > 1 if self.meaning == "cost" else self.ratio < 1
+        return ", ".join(filter(None, (told(self), "peer is faster" * slower)))
 
 
 @dataclass(frozen=True)
@@ -53,6 +61,26 @@ class Figure:
     def met(self) -> bool:
         """The target is reached (or there is none)."""
         return meets(self.value, self.target)
+
+    @property
+    def verdict(self) -> str:
+        """Whether the target is met."""
+        return told(self)
+
+
+@dataclass(frozen=True)
+class Remark:
+    """A comparison that could not be made: the peer is missing, or is wrong."""
+
+    what: str
+    peer: str
+    verdict: str
+    met: bool = True
+
+
+def told(result: Row | Figure) -> str:
+    """Return "met" or "NOT met", or nothing if there is no target."""
+    return "" if not result.target else "met" if result.met else "NOT met"
 
 
 def meets(value: float, target: str) -> bool:
