@@ -29,7 +29,18 @@ MODULES = (
     "simulation",
 )
 PACKAGES = ("pin", "proxsuite", "numpy", "scipy", "llvmlite", "xarray", "zarr")
-PEERS = ("pybullet", "qpsolvers", "osqp")
+PEERS = (
+    "pybullet",
+    "qpsolvers",
+    "osqp",
+    "mujoco",
+    "drake",
+    "roboticstoolbox-python",
+    "pin-pink",
+    "daqp",
+    "quadprog",
+    "clarabel",
+)
 
 TABLE = Path(__file__).parents[1] / "docs" / "benchmarks_table.md"
 COLUMNS = ("what", "ours", "peer", "ours", "peer", "ratio", "min .. max", "target", "")
@@ -83,11 +94,17 @@ def _cells(row: Row | Figure | Remark) -> tuple[str, ...]:
         row.peer,
         _time(row.ours_time),
         _time(row.peer_time),
-        f"{row.ratio:.3g}x {'the cost' if row.meaning == 'cost' else 'faster'}",
+        f"{row.ratio:.3g}x {_meaning(row)}".strip(),
         f"{row.low:.3g} .. {row.high:.3g}",
         row.target,
         row.verdict,
     )
+
+
+def _meaning(row: Row) -> str:
+    if row.meaning == "cost":
+        return "the cost"
+    return "faster" if row.ratio >= 1 else ""
 
 
 def _time(value: float) -> str:

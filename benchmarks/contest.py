@@ -43,7 +43,8 @@ def contest(
 ) -> list[Row | Remark]:
     """Compare `ours`, (name, work, units of work in one call), with each peer in turn.
 
-    A peer that is not installed or whose answer fails the check gets a remark instead of a row.
+    A peer that is not installed, fails, or gives an answer that the check refuses gets a remark
+    instead of a row.
 
     Raises:
         AssertionError: our own answer fails the check.
@@ -58,9 +59,11 @@ def _meet(
 ) -> Row | Remark:
     try:
         work = peer.make()
+        wrong = check(work())
     except ImportError as error:
         return Remark(what, peer.name, f"skipped: {error.name or error} is not installed")
-    wrong = check(work())
+    except Exception as error:  # other people's code may raise anything
+        return Remark(what, peer.name, f"not timed, it failed: {type(error).__name__}: {error}")
     if wrong:
         return Remark(what, peer.name, f"not timed, its answer is wrong: {wrong}")
     sides = (peer.name, work, peer.units)

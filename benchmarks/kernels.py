@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 import hitjoints as hj
-from benchmarks import pinocchio_loop
 from benchmarks.floor import operations, peak
 from benchmarks.harness import Figure, Row, compare, seconds
+from benchmarks.peers import pinocchio
 from hitjoints.kernels import build_kernel, place
 
 ROWS, LOOP_ROWS, NUMPY_ROWS, IK_ROWS, IK_LOOP_ROWS = 1_000_000, 3000, 200_000, 300_000, 300
@@ -58,9 +58,9 @@ def _loop(robot: hj.Robot, q: Any, outputs: tuple[str, ...]) -> None:
     model, data, weightless = robot.model, robot.data, robot.weightless_model
     for row in q:
         if "gradient" in outputs:
-            pinocchio_loop.gradient(model, weightless, data, row, JOINT, H)
+            pinocchio.gradient(model, weightless, data, row, JOINT, H)
         else:
-            pinocchio_loop.inertia(model, data, row, JOINT, H)
+            pinocchio.inertia(model, data, row, JOINT, H)
 
 
 def _threads_and_floor(name: str, kernel: Any, q: Any) -> list[Row | Figure]:
@@ -86,7 +86,7 @@ def _placing(robot: hj.Robot, q: Any) -> list[Row | Figure]:
 
     def loop() -> None:
         for target in targets[:IK_LOOP_ROWS]:
-            pinocchio_loop.place(model, robot.data, JOINT, target, rng)
+            pinocchio.place(model, robot.data, JOINT, target, rng)
 
     row = compare(
         "inverse kinematics, reachable targets",

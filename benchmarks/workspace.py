@@ -9,8 +9,8 @@ import tempfile
 import numpy as np
 
 import hitjoints as hj
-from benchmarks import pinocchio_loop
 from benchmarks.harness import Figure, Row, compare
+from benchmarks.peers import pinocchio
 
 AXIS, SAMPLES, JOINTS = 20, 100, (5, 6, 7)
 PEER_SAMPLES = 300  # of the 2.4 million: the loop's time is proportional
@@ -39,8 +39,8 @@ def measure() -> list[Row | Figure]:
     def loop() -> None:
         for joint, targets in zip(JOINTS, reached, strict=True):
             for target in targets[: PEER_SAMPLES // 3]:
-                q = pinocchio_loop.place(model, data, joint, target, rng)
-                value, g, _ = pinocchio_loop.inertia(model, data, q, joint, h)
+                q = pinocchio.place(model, data, joint, target, rng)
+                value, g, _ = pinocchio.inertia(model, data, q, joint, h)
                 _ = value / (value + 2.0) * (np.abs(g) @ limits)
 
     evaluations = AXIS**3 * len(JOINTS) * SAMPLES

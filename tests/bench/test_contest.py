@@ -78,6 +78,11 @@ def test_a_missing_peer_is_skipped_and_said(monkeypatch):
     assert row == Remark("a task", "PyBullet", "skipped: pybullet is not installed")
 
 
+def test_a_peer_that_fails_is_not_timed():
+    row = meet(Peer("broken", lambda: lambda: 1 / 0, 3))
+    assert row.verdict == "not timed, it failed: ZeroDivisionError: division by zero"
+
+
 def test_costs_and_figures_have_verdicts_too():
     row = compare(
         "start", ("a", answering(0, 0.01), 1), ("b", answering(0), 1), meaning="cost", repeats=1

@@ -1,4 +1,4 @@
-"""What a user would write by hand: Pinocchio, one configuration at a time."""
+"""Pinocchio by hand: the bare calls, one configuration at a time."""
 
 from __future__ import annotations
 
@@ -7,8 +7,30 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+import hitjoints as hj
+
 ITERATIONS = 14  # before a restart: what makes `place` fastest, of 8, 12, 16, 24, 40 and 100
 WORLD_ALIGNED = pin.LOCAL_WORLD_ALIGNED
+
+
+class PinocchioArm:
+    """One joint of an arm."""
+
+    def __init__(self, robot: hj.Robot, joint: int) -> None:
+        self.model, self.data, self.joint = robot.model, robot.model.createData(), joint
+        self.weightless = robot.weightless_model
+
+    def inertia(self, q: Any, h: Any) -> float:
+        """Return 1 / (h^T J M^-1 J^T h), kg."""
+        return inertia(self.model, self.data, q, self.joint, h)[0]
+
+    def gradient(self, q: Any, h: Any) -> Any:
+        """Return its gradient (n,) kg/rad, exact."""
+        return gradient(self.model, self.weightless, self.data, q, self.joint, h)[1]
+
+    def place(self, target: Any, rng: np.random.Generator) -> Any:
+        """Return q (n,) that puts the joint at a target (3,)."""
+        return place(self.model, self.data, self.joint, target, rng)
 
 
 def inertia(model: Any, data: Any, q: Any, joint: int, h: Any) -> tuple[float, Any, Any]:
