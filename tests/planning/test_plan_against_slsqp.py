@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from slsqp_reference import Reference
 
 import hitjoints as hj
+from benchmarks.peers.scipy_plans import SciPyPlanner
 from hitjoints.planning.plan import RANKED_BY, plan
 
 ROBOTS = ("iiwa14", "iiwa7", "panda")
@@ -33,16 +33,15 @@ def test_never_below_the_brute_force(arm):
             hardest = plan(robot, target, h, mass, objective="flux", **options).best
             flux = 0.9 * (hardest.flux if hardest else 0.1)
         best = plan(robot, target, h, mass, objective=objective, flux=flux, **options).best
-        peer = Reference(robot, joint, target, h, mass, away)
-        reached = peer.best(objective, np.random.default_rng(i), least_flux=flux)
+        peer = SciPyPlanner(robot, joint, target, h, mass, away)
+        reached = peer.by_slsqp(objective, np.random.default_rng(i), least_flux=flux)
         if reached is None:
             continue
         assert best is not None, (robot.name, joint, objective)
         value = getattr(best, RANKED_BY[objective])
         assert value > reached * 0.998, (robot.name, joint, objective, value, reached)
         # The same quantity by the other path.
-        quantity = {"straight-flux": peer.straight_flux, "flux": peer.flux}
-        recomputed = quantity.get(objective, peer.inertia)(best.q)
+        recomputed = peer.values[objective](best.q)
         assert value == pytest.approx(recomputed, rel=1e-7)
         shares.append(reached / value)
     assert len(shares) >= 30
