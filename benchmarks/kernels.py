@@ -8,9 +8,13 @@ from typing import Any
 import numpy as np
 
 import hitjoints as hj
+from benchmarks.contest import Peer, contest, near
 from benchmarks.floor import operations, peak
-from benchmarks.harness import Figure, Row, compare, seconds
-from benchmarks.peers import pinocchio
+from benchmarks.harness import Figure, Remark, Row, Work, compare, seconds
+from benchmarks.peers.mujoco import MuJoCoArm
+from benchmarks.peers.pinocchio import PinocchioArm
+from benchmarks.peers.toolbox import ToolboxArm
+from benchmarks.single_call import EXACT, placed, placer
 from hitjoints.kernels import build_kernel, place
 
 ROWS, LOOP_ROWS, NUMPY_ROWS, IK_ROWS, IK_LOOP_ROWS = 1_000_000, 3000, 200_000, 300_000, 300
@@ -23,22 +27,22 @@ TASKS = {
 }
 
 
-def measure() -> list[Row | Figure]:
+def measure() -> list[Row | Figure | Remark]:
     """Return gains over the loops, the gain of a second thread, build times and the floor."""
     robot = hj.load_robot("iiwa14")
     rng = np.random.default_rng(0)
     q = rng.uniform(robot.lower, robot.upper, (ROWS, robot.n))
-    rows: list[Row | Figure] = []
+    rows: list[Row | Figure | Remark] = []
     for name, (outputs, numpy_target, llvm_target) in TASKS.items():
-        loop = ("Pinocchio loop", partial(_loop, robot, q[:LOOP_ROWS], outputs), LOOP_ROWS)
         for backend, count, target in (
             ("numpy", NUMPY_ROWS, numpy_target),
             ("llvm", ROWS, llvm_target),
         ):
             kernel = _build(robot, ((JOINT, ORIGIN),), outputs, backend)
-            work = partial(kernel, q[:count], H, threads=1)
-            ours = (f"{backend}, one thread", work, count)
-            rows.append(compare(name, ours, loop, target=f">= {target}", repeats=5))
+            ours = (f"{backend}, one thread", partial(kernel, q[:count], H, threads=1), count)
+            loops = _loops(robot, q[:LOOP_ROWS], outputs, f">= {target}")
+            check = partial(_agrees, kernel(q[:LOOP_ROWS], H))
+            rows += contest(f"{name}, many configurations", ours, loops, check, repeats=5)
         rows += _threads_and_floor(name, kernel, q)
     for contacts, outputs in (
         (((JOINT, ORIGIN),), ("inertia", "gradient")),
@@ -54,13 +58,32 @@ def _build(robot: hj.Robot, contacts: Any, outputs: Any, backend: str | None = N
     return build_kernel(robot.model, contacts, outputs, backend)
 
 
-def _loop(robot: hj.Robot, q: Any, outputs: tuple[str, ...]) -> None:
-    model, data, weightless = robot.model, robot.data, robot.weightless_model
-    for row in q:
-        if "gradient" in outputs:
-            pinocchio.gradient(model, weightless, data, row, JOINT, H)
-        else:
-            pinocchio.inertia(model, data, row, JOINT, H)
+def _loops(robot: hj.Robot, q: Any, outputs: tuple[str, ...], target: str) -> list[Peer]:
+    def loop(arm: type[Any], method: str) -> Work:
+        evaluate = getattr(arm(robot, JOINT), method)
+        return lambda: [evaluate(row, H) for row in q]
+
+    if "gradient" in outputs:  # MuJoCo would need fourteen differences
+        makers = {"Pinocchio loop": partial(loop, PinocchioArm, "inertia_and_gradient")}
+    else:
+        arms = {"Pinocchio loop": PinocchioArm, "MuJoCo loop": MuJoCoArm}
+        makers = {name: partial(loop, arm, "inertia") for name, arm in arms.items()}
+    return [
+        Peer(name, make, len(q), target * name.startswith("Pinocchio"))
+        for name, make in makers.items()
+    ]
+
+
+def _agrees(expected: dict[str, Any], answer: Any) -> str:
+    """Return what is wrong with the outputs of a kernel, or with a loop's numbers or pairs."""
+    if not isinstance(answer, dict):
+        columns = [answer] if len(expected) == 1 else zip(*answer, strict=True)
+        answer = {name: [list(c)] for name, c in zip(expected, columns, strict=True)}
+    for name, want in expected.items():
+        wrong = near(want[0], EXACT)(answer[name][0][: len(want[0])])
+        if wrong:
+            return wrong
+    return ""
 
 
 def _threads_and_floor(name: str, kernel: Any, q: Any) -> list[Row | Figure]:
@@ -79,21 +102,32 @@ def _threads_and_floor(name: str, kernel: Any, q: Any) -> list[Row | Figure]:
     ]
 
 
-def _placing(robot: hj.Robot, q: Any) -> list[Row | Figure]:
-    model, rng = robot.model, np.random.default_rng(1)
+def _placing(robot: hj.Robot, q: Any) -> list[Row | Figure | Remark]:
+    model = robot.model
     position = _build(robot, ((JOINT, ORIGIN),), ("position",))
     targets = np.ascontiguousarray(position(q, H)["position"][0])
 
-    def loop() -> None:
-        for target in targets[:IK_LOOP_ROWS]:
-            pinocchio.place(model, robot.data, JOINT, target, rng)
+    some = targets[:IK_LOOP_ROWS]
 
-    row = compare(
-        "inverse kinematics, reachable targets",
-        ("llvm, one thread", lambda: place(model, (JOINT, ORIGIN), targets, threads=1), len(q)),
-        ("Pinocchio, damped least squares", loop, IK_LOOP_ROWS),
-        target=">= 500",
+    def ours() -> Any:
+        return place(model, (JOINT, ORIGIN), targets, threads=1).q[:IK_LOOP_ROWS]
+
+    rows = contest(
+        "inverse kinematics, many reachable targets",
+        ("llvm, one thread", ours, len(q)),
+        [
+            Peer(
+                "Pinocchio loop, damped least squares",
+                placer(PinocchioArm, robot, some),
+                IK_LOOP_ROWS,
+                ">= 500",
+            ),
+            Peer(
+                "Robotics Toolbox loop, ik_LM in C++", placer(ToolboxArm, robot, some), IK_LOOP_ROWS
+            ),
+        ],
+        placed(robot, JOINT, targets),
         repeats=3,
     )
     unsolved = int((~place(model, (JOINT, ORIGIN), targets).solved).sum())
-    return [row, Figure(f"unsolved of {len(q)} reachable targets", unsolved, "", "<= 0")]
+    return [*rows, Figure(f"unsolved of {len(q)} reachable targets", unsolved, "", "<= 0")]

@@ -29,22 +29,21 @@ class MuJoCoArm:
 
     def inertia(self, q: Any, h: Any) -> float:
         """Return 1 / (h^T J M^-1 J^T h), kg."""
+        return self.inertia_and_pull(q, h)[0]
+
+    def inertia_and_pull(self, q: Any, h: Any) -> tuple[float, Any]:
+        """Return it and J^T h (n,) m/rad."""
         model, data = self.model, self.data
         self._move(q)
         self.mj.mj_makeM(model, data)
         self.mj.mj_factorM(model, data)
         pull = h @ self.J
         self.mj.mj_solveM(model, data, self.response, pull[None])
-        return float(1.0 / (pull @ self.response[0]))
+        return float(1.0 / (pull @ self.response[0])), pull
 
     def gradient(self, q: Any, h: Any) -> Any:
         """Return its gradient (n,) kg/rad."""
         return central(lambda x: self.inertia(x, h), q)
-
-    def pull(self, q: Any, h: Any) -> Any:
-        """Return J^T h (n,) m/rad."""
-        self._move(q)
-        return h @ self.J
 
     def place(self, target: Any, rng: np.random.Generator) -> Any:
         """Return q (n,) that puts the joint at a target (3,), by damped least squares."""
