@@ -2,7 +2,7 @@
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
-EXTRAS := test,lint,docs,bench,dask
+EXTRAS := test,lint,docs,dask
 
 .PHONY: demo test lint bench docs clean
 
@@ -20,6 +20,7 @@ lint: $(VENV)/ready
 	$(BIN)/mypy
 
 bench: $(VENV)/ready
+	$(BIN)/python -m benchmarks.peers.install
 	$(BIN)/python -m benchmarks --write
 
 docs: $(VENV)/ready

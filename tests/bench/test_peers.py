@@ -1,5 +1,7 @@
 """Every library that is installed agrees with us: independent checks of inertia, gradient, IK."""
 
+import sys
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,7 @@ from benchmarks.peers.pink import PinkArm
 from benchmarks.peers.pinocchio import PinocchioArm
 from benchmarks.peers.pybullet import PyBulletArm
 from benchmarks.peers.toolbox import ToolboxArm
-from benchmarks.single_call import placed
+from benchmarks.single_call import inertias, placed
 
 MODULES = {
     PinocchioArm: ["pinocchio"],
@@ -66,3 +68,17 @@ def test_drake_and_pybullet_share_a_process(peer):
     ours = [peer(kind, "iiwa14", 6)[0] for kind in (DrakeArm, PyBulletArm)]
     q, h = np.full(7, 0.3), np.array([0.0, 1.0, 0.0])
     assert ours[0].inertia(q, h) == pytest.approx(ours[1].inertia(q, h), rel=1e-9)
+
+
+def test_missing_libraries_are_skipped_and_said(monkeypatch, arm):
+    robot = arm("iiwa14")
+    for module in ("mujoco", "pydrake", "pybullet", "roboticstoolbox"):
+        monkeypatch.setitem(sys.modules, module, None)
+    bare, *skipped = inertias(robot, np.array([robot.home]))
+    assert bare.peer == "Pinocchio by hand"
+    assert {row.peer: row.verdict for row in skipped} == {
+        "MuJoCo": "skipped: mujoco is not installed",
+        "Drake": "skipped: pydrake is not installed",
+        "PyBullet": "skipped: pybullet is not installed",
+        "Robotics Toolbox": "skipped: roboticstoolbox is not installed",
+    }
