@@ -33,7 +33,7 @@ def draw(rows: Sequence[Result]) -> Figure:
     for axis, column in zip(figure.subplots(1, 2), columns, strict=True):
         _draw_column(axis, column, height)
         axis.set_xscale("log")
-        axis.set_xlim(min([0.1, *ratios]) / 8, max([10, *ratios]) * 12)
+        axis.set_xlim(min([0.1, *ratios]) / 25, max([10, *ratios]) * 12)
     figure.legend(
         handles=[Patch(color=FASTER), Patch(color=SLOWER)],
         labels=["hitjoints is faster", "the peer is faster"],
@@ -60,10 +60,11 @@ def _lines(tasks: dict[str, list[Row]]) -> int:
 
 def _draw_column(axis: Axes, tasks: dict[str, list[Row]], height: int) -> None:
     labels: dict[float, str] = {}
+    headings = []
     y = 0.0
     for what, rows in tasks.items():
-        heading = {"fontsize": "small", "fontweight": "bold", "va": "center"}
-        axis.text(0.01, y, what, transform=axis.get_yaxis_transform(), **heading)  # type: ignore[arg-type]
+        headings.append(len(labels))
+        labels[y] = what
         for row in rows:
             y += 1
             labels[y] = _peer(row)
@@ -71,8 +72,12 @@ def _draw_column(axis: Axes, tasks: dict[str, list[Row]], height: int) -> None:
         y += 2
     axis.axvline(1, color="black", lw=0.8)
     axis.set_yticks(list(labels), list(labels.values()), fontsize="small")
+    for i in headings:
+        axis.get_yticklabels()[i].set_fontweight("bold")
     axis.set_ylim(height - 0.5, -1)
     axis.tick_params(axis="y", length=0)
+    axis.grid(axis="x", color="0.9")
+    axis.set_axisbelow(True)
     axis.set_xlabel("peer's time / hitjoints' time (bar: median, line: extremes)", fontsize="small")
     axis.spines[["top", "right", "left"]].set_visible(False)
 

@@ -36,8 +36,8 @@ def measure() -> list[Row | Figure | Remark]:
     targets = [points[: PEER_SAMPLES // len(JOINTS)] for points in reached]
     evaluations = AXIS**3 * len(JOINTS) * SAMPLES
     rows = contest(
-        f"map of {AXIS}^3 positions, 3 joints, {SAMPLES} samples (per sample)",
-        ("hitjoints sweep workspace, whole command", command, evaluations),
+        "a sample of a map",
+        (f"hitjoints sweep workspace, {AXIS}^3 x 3 x {SAMPLES} samples", command, evaluations),
         [
             Peer(f"{name} loop", partial(loop, arm, robot, targets), PEER_SAMPLES)
             for name, arm in (("Pinocchio", PinocchioArm), ("MuJoCo", MuJoCoArm))
@@ -46,7 +46,7 @@ def measure() -> list[Row | Figure | Remark]:
         repeats=3,
     )
     whole = evaluations * min(row.ours_time for row in rows if isinstance(row, Row))
-    return [*rows, Figure("the same map, whole command written to disk", whole, "s", "<= 6")]
+    return [*rows, Figure("the whole map, written to disk", whole, "s", "<= 6")]
 
 
 def command() -> None:
