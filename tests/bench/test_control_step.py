@@ -31,3 +31,17 @@ def test_the_authors_stack_makes_the_same_steps(arm, solver, share):
     assert limited == (share > 1)
     step = PyBulletStep(robot, controller.hit, 6, controller.posture, 0.005, solver)
     np.testing.assert_allclose([step(q) for q in path], ours, atol=1e-4)
+
+
+def test_the_steps_are_the_same_where_the_inertia_is_steep(arm):
+    """There the gain is cut, so that one step does not overshoot."""
+    robot, h = arm("iiwa14"), np.array([0.0, 1.0, 0.0])
+    drawn = np.random.default_rng(5).uniform(robot.lower, robot.upper, (20, robot.n))
+    gradients = hj.directional_inertia_gradient(robot, drawn, 6, h)
+    steep = drawn[(gradients**2).sum(axis=1) > 200]
+    assert len(steep) > 3
+    hit = hj.Hit(6, np.array([0.5, 0.3, 0.5]), h, 2.0, 0.05)
+    controller = hj.Controller(robot, hit, robot.home, dt=0.005)
+    step = PyBulletStep(robot, hit, 6, controller.posture, 0.005, QpSolvers)
+    for q in steep:
+        np.testing.assert_allclose(step(q), controller.step(q), atol=1e-4)
