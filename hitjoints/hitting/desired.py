@@ -15,6 +15,7 @@ from hitjoints.programs.velocity import (
     flux_terms,
     gradient_weights,
     most_flux_terms,
+    unbounded_flux,
 )
 from hitjoints.programs.warm import WarmProgram
 
@@ -79,8 +80,10 @@ class DesiredInertia:
         weights = gradient_weights(state.gradient) if self._by_gradient else self._ones
         asked = WITHIN_REACH * speed if saturated else speed
         if impulses is None:
-            terms = flux_terms(state.J, f, pull, asked, weights, RHO)
-            x = self._program.solve(*terms, lower, upper)
+            x = unbounded_flux(state.J, f, self._direction, asked, weights, RHO)
+            if x is None or not ((x >= lower) & (x <= upper)).all():
+                terms = flux_terms(state.J, f, pull, asked, weights, RHO)
+                x = self._program.solve(*terms, lower, upper)
         else:
             terms = most_flux_terms(state.J, f, pull, asked, weights, RHO)
             low = np.concatenate((lower, [BACKWARDS], -impulses.limit))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
+from operator import mul
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -81,6 +82,11 @@ class HittingField:
     def direction(self) -> Vector:
         """(3,) unit vector of the velocity."""
         return _frozen(self.velocity / self.speed)
+
+    @cached_property
+    def _components(self) -> tuple[list[float], list[list[float]]]:
+        """The direction and A as plain numbers."""
+        return self.direction.tolist(), self.A.tolist()
 
     def __call__(self, position: ArrayLike, speed: float | None = None) -> Vector:
         """Return the velocity (3,) m/s that the field asks for at a position (3,) m.
@@ -164,15 +170,20 @@ class HittingField:
         return self.speed / slowest * integral
 
     def _at(self, position: Vector, speed: float) -> Vector:
-        h = self.direction
-        offset = position - self.target
-        error = offset - h * (h @ offset)
-        alpha = math.exp(-math.sqrt(float(error @ error)) / self.sigma)
-        f = (alpha * speed) * h + (1.0 - alpha) * (self.A @ error)
+        # In a control loop: three numbers one by one take a third of the time of small arrays.
+        h, rows = self._components
+        offset = (position - self.target).tolist()
+        along = sum(map(mul, h, offset))
+        error = [x - along * d for x, d in zip(offset, h, strict=True)]
+        alpha = math.exp(-math.hypot(*error) / self.sigma)
+        f = [
+            alpha * speed * d + (1.0 - alpha) * sum(map(mul, row, error))
+            for d, row in zip(h, rows, strict=True)
+        ]
         if self.speed_profile == "constant":
-            size = math.sqrt(float(f @ f))
-            f = f * (speed / size) if size > 0 else speed * h
-        return np.asarray(f)
+            size = math.hypot(*f)
+            f = [speed / size * x for x in f] if size > 0 else [speed * d for d in h]
+        return np.array(f)
 
     def _step(self, x: Vector, dt: float) -> Vector:
         k1 = self._at(x, self.speed)

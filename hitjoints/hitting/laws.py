@@ -90,11 +90,11 @@ class QpLaw:
     ) -> Motion | None:
         """Return the motion; see `Law`."""
         qd, pushed = _unbounded(J, f, posture)
+        miss = J @ qd - f
         if (
-            (qd >= lower).all()
-            and (qd <= upper).all()
+            ((qd >= lower) & (qd <= upper)).all()
             and float(qd @ pushed) <= PROGRESS - 1.0  # the multiplier of s <= 1 is not negative
-            and np.abs(J @ qd - f).max() <= ROWS
+            and float(miss @ miss) <= ROWS * ROWS
             and (impulses is None or impulses.allow(qd))
         ):
             return Motion(qd, 1.0)

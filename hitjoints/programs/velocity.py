@@ -32,8 +32,10 @@ PROGRESS = 1e3
 """Reward for following the field, rad^2/s^2: what posture may not outweigh."""
 CUTOFF = 1e-6
 """m/rad, singular values below which J^+ treats a motion as impossible."""
+SLOPE = 1e-9
+"""Largest derivative of the cost of Eq. 12 that its closed form may leave, (m/s)^2 per rad/s."""
 REGULAR = 1e-8
-"""det / trace^3 of J J^T above which it is far enough from singular for Cramer's rule."""
+"""det / trace^3 above which a matrix is far enough from singular for Cramer's rule."""
 
 
 class Terms(NamedTuple):
@@ -64,23 +66,34 @@ class JointVelocity:
 
 def reachable_speed(pull: Vector, lower: Vector, upper: Vector) -> float:
     """Return max pull . qd within the bounds (Eq. 9 in closed form), m/s, for checked arguments."""
-    return float(np.maximum(pull * lower, pull * upper).sum())
+    return float(pull @ np.where(pull > 0.0, upper, lower))
 
 
 def least_norm(J: Matrix, velocity: Vector) -> Vector:
     """Return J^+ v (n,): of the joint velocities that come nearest to v (3,), the smallest."""
-    (a, b, c), (_, d, e), (_, _, f) = (J @ J.T).tolist()
-    A, B, C = d * f - e * e, c * e - b * f, b * e - c * d
-    det = a * A + b * B + c * C
-    if det > REGULAR * (a + d + f) ** 3:
-        # Cramer's rule: a general solver takes several times as long for three unknowns.
-        x, y, z = velocity.tolist()
-        D, E, F = a * f - c * c, b * c - a * e, a * d - b * b
-        sides = (A * x + B * y + C * z, B * x + D * y + E * z, C * x + E * y + F * z)
-        return np.asarray(np.array(sides) @ J / det)
-    squares, axes = np.linalg.eigh(J @ J.T)
+    squared = J @ J.T
+    solved = _solve_three(squared, velocity)
+    if solved is not None:
+        return np.asarray(solved @ J)
+    squares, axes = np.linalg.eigh(squared)
     inverse = np.where(squares > CUTOFF**2, 1.0 / np.maximum(squares, CUTOFF**2), 0.0)
     return np.asarray((axes @ (inverse * (velocity @ axes))) @ J)
+
+
+def _solve_three(S: Matrix, v: Vector) -> Vector | None:
+    """Return S^-1 v (3,) for a symmetric positive definite S; None if it is nearly singular.
+
+    By Cramer's rule: a general solver takes several times as long for three unknowns.
+    """
+    (a, b, c), (_, d, e), (_, _, f) = S.tolist()
+    A, B, C = d * f - e * e, c * e - b * f, b * e - c * d
+    det = a * A + b * B + c * C
+    if not det > REGULAR * (a + d + f) ** 3:
+        return None
+    x, y, z = v.tolist()
+    D, E, F = a * f - c * c, b * c - a * e, a * d - b * b
+    sides = (A * x + B * y + C * z, B * x + D * y + E * z, C * x + E * y + F * z)
+    return np.asarray(np.array(sides) / det)
 
 
 def gradient_weights(gradient: Vector) -> Vector:
@@ -98,6 +111,31 @@ def flux_terms(
     H = J.T @ J
     H.flat[:: H.shape[0] + 1] += small
     return Terms(H, -(f @ J + small * least_norm(J, f)), pull[None, :], np.array([speed]))
+
+
+def unbounded_flux(
+    J: Matrix, f: Vector, h: Vector, speed: float, weights: Vector, rho: float
+) -> Vector | None:
+    """Return the minimiser (n,) of Eq. 12 where no limit is in the way, in closed form.
+
+    It is J^+ f + z, where z makes up for what the field lacks along h at the least cost,
+    |J z|^2 + rho |z|_W^2: with D = rho W a multiple of
+    (J^T J + D)^-1 J^T h = D^-1 J^T (I + J D^-1 J^T)^-1 h.
+
+    Returns:
+        None if its residuals, computed from the data, do not certify it, as near a singularity.
+    """
+    nearest, D = least_norm(J, f), rho * weights
+    easy = J / D
+    solved = _solve_three(np.eye(3) + easy @ J.T, h)
+    pull = h @ J
+    if solved is None or not (speeds_up := float(pull @ (more := solved @ easy))) > 0.0:
+        return None
+    share = (speed - float(pull @ nearest)) / speeds_up
+    z = share * more
+    qd = nearest + z
+    slope = (J @ qd - f) @ J + D * z - share * pull
+    return qd if float(slope @ slope) <= SLOPE**2 else None
 
 
 def most_flux_terms(

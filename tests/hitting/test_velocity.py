@@ -16,8 +16,10 @@ from hitjoints.programs.velocity import (
     gradient_weights,
     least_norm,
     solve_joint_velocity,
+    unbounded_flux,
 )
 from hitjoints.programs.warm import WarmProgram
+from hitjoints.vectors import unit
 
 H = np.array([0.0, 0.6, 0.8])
 MASS, INERTIA, LIMIT = 2.0, 5.0, np.array([1.7, 1.7, 1.7, 2.2, 2.4, 3.0, 3.0])
@@ -112,6 +114,42 @@ def test_least_norm_is_the_pseudo_inverse(rank):
     J = rng.standard_normal((3, rank)) @ rng.standard_normal((rank, 7))
     v = rng.standard_normal(3)
     np.testing.assert_allclose(least_norm(J, v), np.linalg.pinv(J, rcond=1e-9) @ v, atol=1e-8)
+
+
+@pytest.mark.parametrize("rank", [1, 2, 3])
+def test_closed_form_of_equation_12_against_its_optimality_conditions(rank):
+    """Against one linear system in extended precision, where no limit is in the way."""
+    rng = np.random.default_rng(20 + rank)
+    certified = 0
+    for _ in range(200):
+        J = rng.standard_normal((3, rank)) @ rng.standard_normal((rank, 7))
+        f, speed = rng.standard_normal(3), float(rng.uniform(0.1, 1.0))
+        h, weights = unit(rng.standard_normal(3)), rng.uniform(0.1, 1.1, 7)
+        found = unbounded_flux(J, f, h, speed, weights, RHO)
+        if found is None:
+            continue
+        certified += 1
+        assert h @ J @ found == pytest.approx(speed, abs=1e-9)
+        shortest = np.linalg.pinv(J, rcond=1e-9) @ f
+        K = np.zeros((8, 8), dtype=np.longdouble)
+        K[:7, :7] = J.T @ J + RHO * np.diag(weights)
+        K[:7, 7], K[7, :7] = h @ J, h @ J
+        right = np.append(J.T @ f + RHO * weights * shortest, speed)
+        x = np.linalg.solve(K.astype(float), right)
+        for _ in range(3):  # the system is stiff: residuals in 80 bits mend the answer
+            x += np.linalg.solve(K.astype(float), (right - K @ x).astype(float))
+        np.testing.assert_allclose(found, x[:7], atol=1e-6 * max(1.0, np.abs(x[:7]).max()))
+    assert certified > (0 if rank < 3 else 190)
+
+
+def test_closed_form_of_equation_12_is_that_of_the_certifying_solver():
+    for seed in range(20):
+        J, f = jacobian(seed), 0.4 * H + [0.05, 0.0, -0.02]
+        found = unbounded_flux(J, f, H, 0.3, np.ones(7), RHO)
+        wide = 100 * LIMIT
+        flux = INERTIA / (INERTIA + MASS) * 0.3
+        program = solve_joint_velocity(J, f, H, INERTIA, MASS, flux, -wide, wide)
+        np.testing.assert_allclose(found, program.qd, atol=1e-5)
 
 
 def slowly_changing(count, rng):
