@@ -30,9 +30,6 @@ MassAsked = Annotated[
     float | None,
     typer.Option("--mass", metavar="KG", help=f"Mass of the object. (default: {MASS:g})"),
 ]
-JointAsked = Annotated[
-    int | None, typer.Option("--joint", help="Hitting joint, from 1. (default: last but one)")
-]
 ContactOffsetOption = Annotated[
     str,
     typer.Option(

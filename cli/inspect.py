@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -11,7 +11,9 @@ from .options import (
     MASS,
     ORIGIN,
     ROBOT,
+    ConfigurationOption,
     DirectionOption,
+    JointOption,
     JsonOption,
     MassOption,
     OffsetOption,
@@ -28,14 +30,9 @@ if TYPE_CHECKING:
 
 def inspect(
     robot: RobotOption = ROBOT,
-    joint: Annotated[
-        int | None, typer.Option("--joint", help="Hitting joint, from 1. [default: last but one]")
-    ] = None,
+    joint: JointOption = None,
     offset: OffsetOption = ORIGIN,
-    q: Annotated[
-        str | None,
-        typer.Option("--q", metavar="Q1,Q2,...", help="Joint positions. [default: home]"),
-    ] = None,
+    q: ConfigurationOption = None,
     direction: DirectionOption = DIRECTION,
     mass: MassOption = MASS,
     as_json: JsonOption = False,

@@ -91,6 +91,12 @@ ObjectOption = Annotated[
 OffsetOption = Annotated[
     str, typer.Option("--offset", metavar="X,Y,Z", help="Contact point in the joint's frame (m).")
 ]
+JointOption = Annotated[
+    int | None, typer.Option("--joint", help="Hitting joint, from 1. (default: last but one)")
+]
+ConfigurationOption = Annotated[
+    str | None, typer.Option("--q", metavar="Q1,Q2,...", help="Joint positions. (default: home)")
+]
 JointsOption = Annotated[
     list[int] | None,
     typer.Option("--joint", help="Hitting joint; repeat for several. [default: the robot's]"),

@@ -12,7 +12,6 @@ from .asked import (
     ContactOffsetOption,
     DirectionAsked,
     FluxOption,
-    JointAsked,
     MassAsked,
     ObjectAsked,
     PlanOption,
@@ -23,6 +22,7 @@ from .asked import (
 from .options import (
     ORIGIN,
     ROBOT,
+    JointOption,
     JsonOption,
     OutOption,
     PlotOption,
@@ -42,7 +42,7 @@ def rollout(
     position: ObjectAsked = None,
     direction: DirectionAsked = None,
     mass: MassAsked = None,
-    joint: JointAsked = None,
+    joint: JointOption = None,
     contact_offset: ContactOffsetOption = ORIGIN,
     flux: FluxOption = FLUX,
     reference: Annotated[

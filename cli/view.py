@@ -7,13 +7,16 @@ from typing import Annotated
 
 import typer
 
+from .asked import FLUX, FluxOption
 from .options import (
     DIRECTION,
     MASS,
     OBJECT,
     ORIGIN,
     ROBOT,
+    ConfigurationOption,
     DirectionOption,
+    JointOption,
     JsonOption,
     MassOption,
     ObjectOption,
@@ -29,20 +32,13 @@ from .render import complain, print_json
 
 def view(
     robot: RobotOption = ROBOT,
-    joint: Annotated[
-        int | None, typer.Option("--joint", help="Hitting joint, from 1. [default: last but one]")
-    ] = None,
+    joint: JointOption = None,
     offset: OffsetOption = ORIGIN,
-    q: Annotated[
-        str | None,
-        typer.Option("--q", metavar="Q1,Q2,...", help="Joint positions. [default: home]"),
-    ] = None,
+    q: ConfigurationOption = None,
     position: ObjectOption = OBJECT,
     direction: DirectionOption = DIRECTION,
     mass: MassOption = MASS,
-    flux: Annotated[
-        float, typer.Option("--flux", metavar="M/S", help="Flux of the hits played.")
-    ] = 0.3,
+    flux: FluxOption = FLUX,
     host: Annotated[str, typer.Option("--host", help="Address to serve on.")] = "127.0.0.1",
     port: Annotated[
         int, typer.Option("--port", help="Port to serve on; the next free one if it is taken.")
