@@ -61,7 +61,8 @@ def test_weak_motors_need_a_longer_run_up_or_say_no(weak):
     assert longer.run_up >= plain.run_up
     fastest = fastest_start(weak, HOME, 7, Y, torque_limits=True)
     assert fastest.feasible
-    assert fastest.speed <= fastest_start(weak, HOME, 7, Y).speed
+    plain = fastest_start(weak, HOME, 7, Y)
+    assert fastest.speed <= plain.speed * (1 + 1e-12)  # ProxQP's last digit is not always the same
 
 
 def test_a_rollout_from_a_planned_start_has_the_flux(weak):
