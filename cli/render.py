@@ -13,7 +13,7 @@ FILE_WIDTH = 120  # columns of a table that goes to a file or a pipe
 
 def print_json(result: dict[str, Any]) -> None:
     """Print one JSON object; what is not a finite number becomes null."""
-    print(json.dumps(_plain(result), allow_nan=False))
+    print(json.dumps(_plain(result), allow_nan=False), flush=True)
 
 
 def _plain(value: Any) -> Any:
