@@ -6,7 +6,7 @@ import io
 import socket
 import threading
 import time
-from contextlib import redirect_stdout
+from contextlib import redirect_stdout, suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -130,8 +130,9 @@ class Viewer:
         return str(self._server.scene.as_html())
 
     def serve(self) -> None:
-        """Serve until interrupted."""
-        self._server.sleep_forever()
+        """Serve until interrupted, as by Ctrl-C."""
+        with suppress(KeyboardInterrupt):
+            self._server.sleep_forever()
 
     def stop(self) -> None:
         """Stop serving."""

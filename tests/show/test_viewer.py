@@ -1,5 +1,8 @@
 """The arm in the browser: what it is made of, where it stands, and what it says."""
 
+import json
+import signal
+import subprocess
 import sys
 import urllib.request
 
@@ -148,6 +151,19 @@ def test_command_writes_a_page(run, tmp_path):
     assert outcome.json["url"].startswith("http://127.0.0.1:")
     assert "<html" in page.read_text().lower()
     assert outcome.err == f"written: {page}\n"
+
+
+def test_command_serves_until_interrupted():
+    words = [sys.executable, "-m", "hitjoints.cli", "view", "--port", str(PORT + 50), "--json"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as it:
+        assert it.stdout is not None
+        found = json.loads(it.stdout.readline())
+        page = urllib.request.urlopen(found["url"], timeout=10).read()
+        it.send_signal(signal.SIGINT)
+        rest, said = it.communicate(timeout=20)
+    assert b"<html" in page.lower()
+    assert (it.returncode, rest) == (0, "")
+    assert said == f"serving: {found['url']} until Ctrl-C\n"
 
 
 @pytest.mark.parametrize(
