@@ -56,7 +56,7 @@ class Setting:
         for name in ("friction", "servo_gain", "contact_friction"):
             value = getattr(self, name)
             if not 0 <= value < math.inf:
-                raise InputError(name, value, "it must not be below 0")
+                raise InputError(name, value, "it must be finite and not below 0")
         if self.servo_gain > STRONGEST:
             raise InputError("servo_gain", self.servo_gain, f"at most {STRONGEST:g} N m s/rad")
         if not SHORTEST_CONTACT <= self.contact_time <= LONGEST_CONTACT:
