@@ -116,6 +116,7 @@ def test_the_moving_picture_moves(run, tmp_path, monkeypatch):
         (["--size", "0.1,0,0.1"], 1, "size = (0.1, 0.0, 0.1): three lengths above 0 m"),
         (["--size", "0.1,0.1"], 1, "size = 0.1,0.1"),
         (["--friction", "-1"], 1, "friction = -1"),
+        (["--friction", "5e-4"], 1, "friction = 0.0005: the box would slide for more than 60 s"),
         (["--contact-friction", "nan"], 1, "contact_friction = nan"),
         (["--servo-gain", "-1"], 1, "servo_gain = -1"),
         (["--contact-time", "1"], 1, "contact_time = 1.0: a contact lasts 1e-06 s to 0.05 s"),

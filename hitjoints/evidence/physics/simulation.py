@@ -12,7 +12,7 @@ from hitjoints.evidence.physics.engine import engine
 from hitjoints.evidence.physics.record import Cause, Prediction, Simulation
 from hitjoints.evidence.physics.scene import LEVEL, Impact
 from hitjoints.evidence.physics.setting import Mode, Setting, setting
-from hitjoints.evidence.physics.slide import slide
+from hitjoints.evidence.physics.slide import LONGEST, slide
 from hitjoints.evidence.physics.strike import strike
 from hitjoints.hitting.rollout import rollout
 
@@ -98,6 +98,9 @@ def simulate(
         raise InfeasibleError(f"the rollout is no hit: {motion.reason}", {"hit": False})
     impact = impact_of(motion)
     predicted = predict(motion, how)
+    if predicted.travel is not None and 2 * predicted.travel > LONGEST * predicted.object_speed:
+        expected = f"the box would slide for more than {LONGEST:g} s; 0 leaves the travel out"
+        raise InputError("friction", friction, expected)
     servos = Reference(motion)
     # Servos may push the box again, which they could not while nothing slows it down.
     pushes = how.on_table and how.servo_gain > 0

@@ -34,12 +34,10 @@ class Slide:
     """How the box came to rest.
 
     Attributes:
-        distance: m, that its centre went along the hitting direction.
         rows: `slide_time` (s, since the parting), `slide_position` (T, 3) m, `slide_quaternion`
             (T, 4), and `slide_speed` (m/s), along the direction.
     """
 
-    distance: float
     rows: dict[str, Array] = field(repr=False)
 
 
@@ -79,4 +77,4 @@ def slide(impact: Impact, setting: Setting, qpos: Array, qvel: Array) -> Slide:
         "slide_quaternion": pose[:, 3:],
         "slide_speed": np.array(speeds)[kept],
     }
-    return Slide(float(h @ (pose[-1, :3] - qpos[:3])), rows)
+    return Slide(rows)
