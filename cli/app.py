@@ -36,8 +36,8 @@ app.command("plan")(plan.plan)
 app.command("rollout")(rollout.rollout)
 app.command("simulate")(simulate.simulate)
 app.command("replay")(replay.replay)
-app.command("view")(view.view)
 app.command("reproduce")(reproduce.reproduce)
+app.command("view")(view.view)
 app.add_typer(robots.app, name="robots")
 
 

@@ -93,7 +93,7 @@ def read_asked(
         "position": numbers(OBJECT),
         "direction": numbers(DIRECTION),
         "mass": MASS,
-        "joint": arm.hitting_joints[-2:][0],
+        "joint": arm.usual_joint,
     }
     chosen = {key: _one(key, asked[key], planned.get(key), usual[key]) for key in usual}
     check_mass(chosen["mass"])

@@ -44,7 +44,7 @@ def inspect(
 
     check_mass(mass)
     arm = load_robot(robot)
-    chosen = arm.hitting_joints[-2:][0] if joint is None else joint
+    chosen = arm.usual_joint if joint is None else joint
     contact = arm.contact(Contact(chosen, triple(offset, "offset")))
     configuration = arm.within_limits(arm.home if q is None else numbers(q))
     try:

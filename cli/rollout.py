@@ -146,7 +146,5 @@ def _print(result: Rollout) -> None:
         ("time of a control step", f"{times['median']:.0f}, 99 %: {times['p99']:.0f}", "us"),
     ]
     joint = result.robot.contact(hit.contact).joint
-    at = ", ".join(f"{v:g}" for v in hit.position)
-    along = ", ".join(f"{v:.4g}" for v in hit.direction)
-    title = f"{result.robot.title}: joint {joint} hits {hit.mass:g} kg at ({at}) m along ({along})"
+    title = f"{result.robot.title}: joint {joint} hits {hit.words}"
     print_table(title, ("at the impact", "value", "unit"), rows)

@@ -174,11 +174,8 @@ def _print(result: Simulation) -> None:
         ("contact time", 1e3 * how.contact_time, 1e3 * found.contact_time, None, "ms"),
         ("travel", told.travel, result.travel, errors["travel"], "m"),
     ]
-    at = ", ".join(f"{v:g}" for v in hit.position)
-    along = ", ".join(f"{v:.4g}" for v in hit.direction)
     print_table(
-        f"{robot.title}: joint {joint} hits {hit.mass:g} kg at ({at}) m along ({along}) "
-        f"with {told.speed:.4g} m/s, {result.mode}",
+        f"{robot.title}: joint {joint} hits {hit.words} with {told.speed:.4g} m/s, {result.mode}",
         ("", "predicted", "simulated", "off by", "unit"),
         [(*row[:3], _percent(row[3]), row[4]) for row in rows],
         caption="simulated inertia: by the balance of momentum",

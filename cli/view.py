@@ -58,7 +58,7 @@ def view(
     check_mass(mass)
     check_outputs(None, (out, "out", (".html",)))
     arm = load_robot(robot)
-    chosen = arm.hitting_joints[-2:][0] if joint is None else joint
+    chosen = arm.usual_joint if joint is None else joint
     viewer = show(
         arm,
         None if q is None else numbers(q),

@@ -116,6 +116,14 @@ class Robot:
         return _frozen(self.model.upperPositionLimit)
 
     @cached_property
+    def finite_limits(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Position limits, (n,) rad each, one turn from -pi to pi where there are none."""
+        return (
+            _frozen(np.where(np.isfinite(self.lower), self.lower, -np.pi)),
+            _frozen(np.where(np.isfinite(self.upper), self.upper, np.pi)),
+        )
+
+    @cached_property
     def velocity_lower(self) -> NDArray[np.float64]:
         """Lower velocity limits, (n,) rad/s."""
         return _frozen(self.model.lowerVelocityLimit)
@@ -175,6 +183,11 @@ class Robot:
         parts = [self.xml.encode()]
         parts += [np.ascontiguousarray(a).tobytes() for a in (self.model.armature, self.lower)]
         return hashlib.sha256(b"\0".join(parts)).hexdigest()[:16]
+
+    @property
+    def usual_joint(self) -> int:
+        """The joint that hits when none is named: the last but one of the hitting joints."""
+        return self.hitting_joints[-2:][0]
 
     @cached_property
     def _origins(self) -> dict[int, Contact]:

@@ -56,6 +56,13 @@ class Hit:
         if not (math.isfinite(self.flux) and self.flux > 0):
             raise InputError("flux", self.flux, "a desired flux is finite and above 0 m/s")
 
+    @property
+    def words(self) -> str:
+        """What is hit, where and which way, such as "2 kg at (0.5, 0.3, 0.5) m along (0, 1, 0)"."""
+        at = ", ".join(f"{v:g}" for v in self.position)
+        along = ", ".join(f"{v:.4g}" for v in self.direction)
+        return f"{self.mass:g} kg at ({at}) m along ({along})"
+
     def speed(self, inertia: float) -> float:
         """Return the speed (m/s) that produces the flux at an inertia (kg): Eq. 4 solved for v."""
         return (1.0 + self.mass / inertia) * self.flux

@@ -68,7 +68,7 @@ def prepare(
         if start is not None:
             raise InputError("start", start, "give a start position or q0, not both")
         begin = robot.within_limits(q0, "q0")
-        end = _placed(robot, contact, target, begin) if q_hit is None else q_hit
+        end = placed(robot, contact, target, begin) if q_hit is None else q_hit
         return Preparation(_behind(robot, hit, begin, "q0"), _at_object(robot, hit, end))
     if q_hit is None:
         q_hit, found = _planned(robot, hit, run_up, torque_limits, seed)
@@ -76,7 +76,7 @@ def prepare(
             return Preparation(found.q, q_hit)
     q_hit = _at_object(robot, hit, q_hit)
     if start is not None:
-        begin = _placed(robot, contact, points(start, "start"), q_hit)
+        begin = placed(robot, contact, points(start, "start"), q_hit)
         return Preparation(_behind(robot, hit, begin, "start"), q_hit)
     _refuse_flux(robot, hit, q_hit)
     found = _start(robot, hit, q_hit, run_up, torque_limits)
@@ -140,16 +140,21 @@ def _refuse_flux(robot: Robot, hit: Hit, q: Array) -> None:
         )
 
 
-def _placed(robot: Robot, contact: Contact, where: Array, near: ArrayLike) -> Array:
-    placed = place_joint(robot, contact, where, start=np.asarray(near))
-    if not placed.solved[0]:
+def placed(robot: Robot, contact: Contact, where: Array, near: ArrayLike) -> Array:
+    """Return the configuration (n,) rad with the contact at `where` (3,) m, searched from `near`.
+
+    Raises:
+        InfeasibleError: out of reach.
+    """
+    found = place_joint(robot, contact, where, start=np.asarray(near))
+    if not found.solved[0]:
         at = ", ".join(f"{v:g}" for v in where)
         raise InfeasibleError(
             f"({at}) m is out of reach: joint {contact.joint} comes no nearer than "
-            f"{placed.error[0]:.3g} m",
-            {"joint": contact.joint, "nearest": float(placed.error[0])},
+            f"{found.error[0]:.3g} m",
+            {"joint": contact.joint, "nearest": float(found.error[0])},
         )
-    return np.array(placed.q[0])
+    return np.array(found.q[0])
 
 
 def _at_object(robot: Robot, hit: Hit, q: ArrayLike) -> Array:

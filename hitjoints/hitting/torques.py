@@ -14,6 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.programs.speed import step_bounds
 from hitjoints.programs.torques import Impulses, with_impulses
 from hitjoints.programs.velocity import Terms
 from hitjoints.programs.warm import ROWS, WarmProgram
@@ -168,9 +169,9 @@ class TorqueLimits:
         Raises:
             InfeasibleError: none is certified within torques, velocities and positions.
         """
-        robot, dt, n = self._robot, self._dt, wanted.size
-        lower = np.maximum(robot.velocity_lower, (robot.lower - q) / dt)
-        upper = np.minimum(robot.velocity_upper, (robot.upper - q) / dt)
+        robot, n = self._robot, wanted.size
+        limits = robot.lower, robot.upper, robot.velocity_lower, robot.velocity_upper
+        lower, upper = step_bounds(q, *limits, self._dt)
         terms = with_impulses(Terms(np.eye(n), -wanted, np.zeros((0, n)), np.zeros(0)), impulses)
         ends = ((lower, -impulses.limit), (upper, impulses.limit))
         x = self._program.solve(*terms, *(np.concatenate(end) for end in ends))

@@ -92,8 +92,7 @@ def certify(hit: Hit, q: Array, joints: tuple[int, ...] | None = None) -> Certif
     bound = _Bound(hit, q, at)
     robot = hit.robot
     # A continuous joint is searched over one turn.
-    low = np.where(np.isfinite(robot.lower[at]), robot.lower[at], -np.pi)[None]
-    high = np.where(np.isfinite(robot.upper[at]), robot.upper[at], np.pi)[None]
+    low, high = (end[None, at] for end in robot.finite_limits)
     found = 1.0 / float(bound.at(q[None, at]).upper[0, 0])
     upper, closed, visited = np.zeros(0), found, 0
     while len(low) and visited < MOST_BOXES:

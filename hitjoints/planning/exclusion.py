@@ -52,8 +52,7 @@ def exclude(hit: Hit, away: bool) -> Exclusion:
     robot, bound = hit.robot, _Bounds(hit, away)
     m = bound.movers
     # A continuous joint is searched over one turn.
-    low = np.where(np.isfinite(robot.lower[:m]), robot.lower[:m], -np.pi)[None]
-    high = np.where(np.isfinite(robot.upper[:m]), robot.upper[:m], np.pi)[None]
+    low, high = (end[None, :m] for end in robot.finite_limits)
     boxes = 0
     while len(low) and boxes + len(low) <= MOST_BOXES:
         boxes += len(low)

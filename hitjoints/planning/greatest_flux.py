@@ -20,9 +20,7 @@ BEYOND = 1 / 3  # share of the positions drawn from the box round the workspace
 
 def random_positions(robot: Robot, contact: Contact, count: int, rng: np.random.Generator) -> Array:
     """Return positions (N, 3) m: two thirds of random configurations, the rest of the box round."""
-    low = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
-    high = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
-    q = rng.uniform(low, high, (count, robot.n))
+    q = rng.uniform(*robot.finite_limits, (count, robot.n))
     kernel = kernel_for(robot, (contact,), ("position",))
     at = np.array(kernel(q, np.array([1.0, 0.0, 0.0]))["position"][0])
     beyond = int(BEYOND * count)

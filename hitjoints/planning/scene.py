@@ -168,10 +168,8 @@ def _farthest(
 ) -> dict[tuple[int, int], float]:
     """Return how far apart, at most, two links get in random configurations."""
     geometry, data = pin.GeometryData(shapes), robot.model.createData()
-    low = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
-    high = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
     farthest = dict.fromkeys(between, -np.inf)
-    for q in np.random.default_rng(0).uniform(low, high, (CONFIGURATIONS, robot.n)):
+    for q in np.random.default_rng(0).uniform(*robot.finite_limits, (CONFIGURATIONS, robot.n)):
         pin.computeDistances(robot.model, data, shapes, geometry, q)
         now = dict.fromkeys(between, np.inf)
         for ends, result in zip(between, geometry.distanceResults, strict=True):

@@ -15,6 +15,7 @@ import numpy as np
 from hitjoints.errors import InputError
 from hitjoints.programs.problem import Program, Residuals
 from hitjoints.programs.proxqp import solve
+from hitjoints.programs.warm import ROWS
 from hitjoints.vectors import points, unit
 
 if TYPE_CHECKING:
@@ -125,17 +126,21 @@ def unbounded_flux(
     Returns:
         None if its residuals, computed from the data, do not certify it, as near a singularity.
     """
-    nearest, D = least_norm(J, f), rho * weights
+    nearest, D, pull = least_norm(J, f), rho * weights, h @ J
     easy = J / D
     solved = _solve_three(np.eye(3) + easy @ J.T, h)
-    pull = h @ J
-    if solved is None or not (speeds_up := float(pull @ (more := solved @ easy))) > 0.0:
+    if solved is None:
         return None
-    share = (speed - float(pull @ nearest)) / speeds_up
-    z = share * more
+    faster = solved @ easy
+    gain = float(pull @ faster)
+    if not gain > 0.0:
+        return None
+    share = (speed - float(pull @ nearest)) / gain
+    z = share * faster
     qd = nearest + z
     slope = (J @ qd - f) @ J + D * z - share * pull
-    return qd if float(slope @ slope) <= SLOPE**2 else None
+    miss = abs(float(pull @ qd) - speed)
+    return qd if miss <= ROWS and float(slope @ slope) <= SLOPE**2 else None
 
 
 def most_flux_terms(

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from hitjoints.programs.problem import Matrix, Vector
 
 ROWS = 1e-7
-"""Largest violation of an equality that is accepted, in the row's unit."""
+"""Largest violation of the equalities that is accepted, its norm in the rows' unit."""
 GAP = 1e-7
 """Largest distance from the optimal cost that is accepted, relative to 1 + |cost|."""
 GUESSES = 4

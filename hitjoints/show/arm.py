@@ -132,7 +132,7 @@ def add_solid(axis: Any, corners: Array) -> None:
     faces = [(0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5)]
     solid = Poly3DCollection(
         [corners[list(face)] for face in faces],
-        facecolor=(*_rgb(BOX), 0.25), edgecolor=BOX, linewidths=1.0, zorder=8, label="object",
+        facecolor=(*rgb(BOX), 0.25), edgecolor=BOX, linewidths=1.0, zorder=8, label="object",
     )  # fmt: skip
     axis.add_collection3d(solid)
 
@@ -224,7 +224,8 @@ def _draw_box(axis: Any, here: Array, h: Array, size: Array) -> Array:
     return np.asarray(corners)
 
 
-def _rgb(colour: str) -> tuple[float, ...]:
+def rgb(colour: str) -> tuple[float, float, float]:
+    """Return a colour's red, green and blue, from 0 to 1."""
     from matplotlib.colors import to_rgb
 
     return to_rgb(colour)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.show.figures import colour_of
-from hitjoints.show.paper_hits import draw_hits, draw_starts, same_view
+from hitjoints.show.paper_hits import draw_hits, draw_starts, same_view, until_impact
 from hitjoints.show.paper_spread import draw_spread
 
 if TYPE_CHECKING:
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
     from hitjoints.evidence.paper.reproduce import Experiments, Reproduction
-    from hitjoints.hitting.record import Rollout
 
 ARMS = {
     "iiwa14_bullet": ("-", "PyBullet's tensors"),
@@ -112,9 +111,9 @@ def _draw_references(on: Experiments) -> Figure:
         column = axes[:, list(titles).index(reference)]
         column[0].set_title(titles[reference], fontsize="medium")
         for axis, (quantity, label) in zip(column, FOLLOWED, strict=True):
-            axis.plot(*_until_impact(hit, quantity), color=colour_of(k), lw=1.5, label=f"joint {k}")
+            axis.plot(*until_impact(hit, quantity), color=colour_of(k), lw=1.5, label=f"joint {k}")
             if quantity == "inertia":
-                wanted = _until_impact(hit, "desired_inertia")
+                wanted = until_impact(hit, "desired_inertia")
                 axis.plot(*wanted, "k--", lw=1, label="desired" if k == 6 else None)
             if quantity == "flux" and k == 6:
                 axis.axhline(hit.hit.flux, color="k", ls="--", lw=1)
@@ -131,13 +130,6 @@ def _draw_references(on: Experiments) -> Figure:
         "Fig. 4: desired and achieved inertia along the motion, iiwa14_bullet", fontsize="medium"
     )
     return figure
-
-
-def _until_impact(hit: Rollout, quantity: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return the distance to the object (m) and a quantity, up to the impact."""
-    rows, asked = hit.rows, hit.hit
-    ahead = (asked.position - rows["position"]) @ asked.direction
-    return ahead[rows["approach"]], rows[quantity][rows["approach"]]
 
 
 def _finish(axis: Axes) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.evidence.paper.scenario import JOINTS, PRINTED
-from hitjoints.show.arm import draw_arm
+from hitjoints.show.arm import BOX, draw_arm
 from hitjoints.show.figures import colour_of
 
 if TYPE_CHECKING:
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from hitjoints.evidence.paper.reproduce import Experiments
     from hitjoints.evidence.paper.scenario import Scenario
+    from hitjoints.hitting.record import Rollout
 
 ARMS = {"iiwa14_bullet": "-", "iiwa14": "--"}
 
@@ -35,6 +36,13 @@ def same_view(axis: Any) -> None:
         side.set_major_locator(MultipleLocator(0.4))
 
 
+def until_impact(hit: Rollout, quantity: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return the distance to the object (m) and a quantity, up to the impact."""
+    rows, asked = hit.rows, hit.hit
+    ahead = (asked.position - rows["position"]) @ asked.direction
+    return ahead[rows["approach"]], rows[quantity][rows["approach"]]
+
+
 def draw_starts(scenario: Scenario, on: Experiments) -> Figure:
     """Return Fig. 5: the start configuration of each joint, the object and the way to it."""
     from matplotlib.figure import Figure
@@ -47,7 +55,7 @@ def draw_starts(scenario: Scenario, on: Experiments) -> Figure:
         draw_arm(axis, on.robot, start.posture.q, k, scenario.direction, ellipsoid=False)
         way = np.stack([scenario.start, scenario.position])
         axis.plot(*way.T, "k:", lw=1.2, zorder=28)
-        axis.plot(*way[1:].T, "s", color="#E69F00", ms=11, mec="k", zorder=28)
+        axis.plot(*way[1:].T, "s", color=BOX, ms=11, mec="k", zorder=28)
         same_view(axis)
         axis.set_title(
             f"joint {k}: {start.posture.inertia:.3g} kg at the start",
@@ -73,10 +81,7 @@ def draw_hits(arms: Mapping[str, Experiments]) -> Figure:
             assert hits is not None
             hit = hits.shown(k)
             assert hit.impact is not None
-            rows = hit.rows
-            on_way = rows["approach"]
-            ahead = (hit.hit.position - rows["position"]) @ hit.hit.direction
-            axis.plot(ahead[on_way], rows["inertia"][on_way], style, color=colour_of(k), label=name)
+            axis.plot(*until_impact(hit, "inertia"), style, color=colour_of(k), label=name)
             axis.plot(0, hit.impact.inertia, "o", color=colour_of(k), clip_on=False)
         if k in PRINTED:
             axis.axhline(PRINTED[k], color="k", ls=":", lw=1.2, label=f"paper, {PRINTED[k]} kg")

@@ -57,13 +57,8 @@ def draw_rollout(result: Rollout) -> Figure:
             axis.axvline(result.impact.time, color="grey", lw=1)
     for axis in (inertia, speed, joints):
         axis.legend(frameon=False, fontsize="small")
-    at = ", ".join(f"{value:g}" for value in hit.position)
-    along = ", ".join(f"{value:.3g}" for value in hit.direction)
     verdict = result.reason or "impact marked in grey"
-    figure.suptitle(
-        f"{robot.name}, joint {joint}: {hit.mass:g} kg at ({at}) m along ({along}); {verdict}",
-        fontsize="medium",
-    )
+    figure.suptitle(f"{robot.name}, joint {joint}: {hit.words}; {verdict}", fontsize="medium")
     return figure
 
 

@@ -40,11 +40,9 @@ def draw_simulation(result: Simulation) -> Figure:
     for axis in axes.flat:
         axis.spines[["top", "right"]].set_visible(False)
     hit, robot = result.motion.hit, result.motion.robot
-    at = ", ".join(f"{value:g}" for value in hit.position)
-    along = ", ".join(f"{value:.3g}" for value in hit.direction)
     figure.suptitle(
-        f"{robot.name}, joint {result.impact.contact.joint}, {result.mode}: {hit.mass:g} kg at "
-        f"({at}) m along ({along}), restitution {result.setting.restitution:g}",
+        f"{robot.name}, joint {result.impact.contact.joint}, {result.mode}: {hit.words}, "
+        f"restitution {result.setting.restitution:g}",
         fontsize="medium",
     )
     return figure

@@ -17,14 +17,14 @@ from hitjoints.dynamics.inertia import inertia_along, inverse_inertia
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import HitjointsError, InfeasibleError, InputError, MissingExtraError
 from hitjoints.hitting.hit import Hit
+from hitjoints.hitting.prepare import placed
 from hitjoints.hitting.rollout import rollout
 from hitjoints.planning.plan import plan
-from hitjoints.quantities import hitting_speed, place_joint
+from hitjoints.quantities import hitting_speed
 from hitjoints.robot import Contact
-from hitjoints.show.arm import ARROW, BOX, INERTIA, LINK, inertia_surface
+from hitjoints.show.arm import ARROW, BOX, INERTIA, LINK, inertia_surface, rgb
 from hitjoints.show.figures import colour_of
 from hitjoints.show.solids import solids
-from hitjoints.vectors import points, unit
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -73,8 +73,8 @@ def view(
         MissingExtraError: viser is not installed.
         ModelError: a collision shape cannot be drawn.
     """
-    chosen = robot.contact(robot.hitting_joints[-2:][0] if contact is None else contact)
-    hit = Hit(chosen, points(position, "position"), unit(direction), mass, flux)
+    chosen = robot.contact(robot.usual_joint if contact is None else contact)
+    hit = Hit(chosen, np.asarray(position), np.asarray(direction), mass, flux)
     if not 0 < port < 65536:
         raise InputError("port", port, "a port is from 1 to 65535")
     _check_address(host)
@@ -147,11 +147,11 @@ class Viewer:
         self._server.initial_camera.look_at = (0.15, 0.05, 0.4)
         self._links = [
             scene.add_mesh_simple(
-                f"/arm/{one.name}", one.vertices, one.faces, color=_rgb(LINK), opacity=GLASS
+                f"/arm/{one.name}", one.vertices, one.faces, color=rgb(LINK), opacity=GLASS
             )
             for one in shapes
         ]
-        self._object = scene.add_box("/object", _rgb(BOX), (EDGE, EDGE, EDGE))
+        self._object = scene.add_box("/object", rgb(BOX), (EDGE, EDGE, EDGE))
 
     def _build_panel(self, hit: Hit) -> None:
         gui, robot = self._server.gui, self.robot
@@ -175,8 +175,9 @@ class Viewer:
             self._answer = gui.add_markdown("")
         with gui.add_folder("Joints (rad)"):
             self._sliders: list[Any] = [
-                gui.add_slider(f"q{i + 1}", low, high, STEP, float(self.q[i]))
-                for i, (low, high) in enumerate(zip(*_ends(robot), strict=True))
+                # A locked joint's slider has an end that it never goes to.
+                gui.add_slider(f"q{i + 1}", low, max(high, low + STEP), STEP, float(self.q[i]))
+                for i, (low, high) in enumerate(np.array(robot.finite_limits).T.tolist())
             ]
         for control in (self._joint, self._at, self._along, self._mass):
             control.on_update(lambda _: self._draw())
@@ -207,10 +208,7 @@ class Viewer:
 
     def _place(self) -> None:
         hit = self._hit()
-        placed = place_joint(self.robot, hit.contact, hit.position, start=self.q)
-        if not placed.solved[0]:
-            raise InfeasibleError(f"the joint comes no nearer than {placed.error[0]:.3g} m")
-        self.move(placed.q[0])
+        self.move(placed(self.robot, self.robot.contact(hit.contact), hit.position, self.q))
 
     def _plan(self) -> None:
         hit = self._hit()
@@ -250,7 +248,7 @@ class Viewer:
     def _draw_hit(self, hit: Hit) -> None:
         scene, contact = self._server.scene, self.robot.contact(hit.contact)
         here, h = position(self.robot, self.q, contact), hit.direction
-        colour = _rgb(colour_of(contact.joint))
+        colour = rgb(colour_of(contact.joint))
         scene.add_icosphere("/contact", POINT, colour, position=here)
         arrow = np.array([[here, here + ARROW * h]])
         scene.add_arrows(
@@ -266,7 +264,7 @@ class Viewer:
             "/inertia",
             points_.reshape(-1, 3),
             _grid_faces(*points_.shape[:2]),
-            color=_rgb(INERTIA),
+            color=rgb(INERTIA),
             opacity=0.35,
             side="double",
             cast_shadow=False,
@@ -309,20 +307,8 @@ def _numbers(robot: Robot, q: Array, hit: Hit, scale: float | None) -> str:
     return "\n".join(lines + [f"| {' | '.join(row)} |" for row in rows]) + note
 
 
-def _ends(robot: Robot) -> tuple[list[float], list[float]]:
-    """Return where the sliders begin and end: the limits, or a turn of a continuous joint."""
-    lower = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
-    upper = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
-    return lower.tolist(), np.maximum(upper, lower + STEP).tolist()
-
-
 def _grid_faces(rows: int, columns: int) -> NDArray[np.int64]:
     """Return the triangles of a grid of points, (2 (rows - 1) (columns - 1), 3)."""
     corner = np.arange(rows * columns).reshape(rows, columns)
     a, b, c, d = corner[:-1, :-1], corner[:-1, 1:], corner[1:, :-1], corner[1:, 1:]
     return np.concatenate([np.stack(t, -1).reshape(-1, 3) for t in ((a, c, b), (b, c, d))])
-
-
-def _rgb(colour: str) -> tuple[int, int, int]:
-    """Return "#D55E00" as whole numbers from 0 to 255."""
-    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)

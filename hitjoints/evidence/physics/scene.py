@@ -52,11 +52,6 @@ class Impact:
         return float(self.direction @ jacobian(robot, self.q, self.contact) @ self.qd)
 
     @property
-    def level(self) -> bool:
-        """The direction is horizontal, so that a box on a level table can be hit along it."""
-        return bool(abs(self.direction[2]) < LEVEL)
-
-    @property
     def axes(self) -> Array:
         """(3, 3): the hitting direction, sideways, up, as columns."""
         h = self.direction
@@ -70,6 +65,11 @@ class Impact:
         """Return where the box stands, (3,) m: its face touches the arm."""
         h, side, _ = self.axes.T
         return np.asarray(self.point + setting.size[0] / 2 * h + setting.off_centre * side)
+
+
+def is_level(direction: Array) -> bool:
+    """Tell whether a direction (3,) is horizontal: a box on a level table can be hit along it."""
+    return bool(abs(direction[2]) < LEVEL)
 
 
 def build_scene(robot: Robot, impact: Impact, setting: Setting) -> tuple[Any, Any]:

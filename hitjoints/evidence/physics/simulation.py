@@ -10,7 +10,7 @@ from hitjoints.dynamics.impact import object_speed, rebound
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.evidence.physics.engine import engine
 from hitjoints.evidence.physics.record import Cause, Prediction, Simulation
-from hitjoints.evidence.physics.scene import LEVEL, Impact
+from hitjoints.evidence.physics.scene import Impact, is_level
 from hitjoints.evidence.physics.setting import Mode, Setting, setting
 from hitjoints.evidence.physics.slide import LONGEST, slide
 from hitjoints.evidence.physics.strike import strike
@@ -87,7 +87,7 @@ def simulate(
         contact_friction=contact_friction,
         off_centre=off_centre,
     )
-    if how.on_table and not abs(hit.direction[2]) < LEVEL:
+    if how.on_table and not is_level(hit.direction):
         raise InputError(
             "direction", hit.direction.tolist(), "a box on a level table is hit horizontally"
         )
@@ -105,8 +105,7 @@ def simulate(
     # Servos may push the box again, which they could not while nothing slows it down.
     pushes = how.on_table and how.servo_gain > 0
     result = strike(robot, impact, how, servos, servos.rest if pushes else 0.0)
-    slides = impact.level and how.friction > 0
-    slid = slide(impact, how, *result.box) if slides else None
+    slid = None if predicted.travel is None else slide(impact, how, *result.box)
     causes = tuple(
         Cause(
             name,
@@ -157,6 +156,6 @@ def predict(motion: Rollout, how: Setting) -> Prediction:
     at, mass = motion.impact, motion.hit.mass
     asked = at.inertia, mass, at.speed, how.restitution
     speed = object_speed(*asked)
-    level = abs(motion.hit.direction[2]) < LEVEL
-    travel = speed**2 / (2 * how.friction * GRAVITY) if level and how.friction > 0 else None
+    slides = is_level(motion.hit.direction) and how.friction > 0
+    travel = speed**2 / (2 * how.friction * GRAVITY) if slides else None
     return Prediction(speed, rebound(*asked), at.inertia, travel, at.flux, at.speed)
