@@ -120,8 +120,8 @@ class Viewer:
         q = self.robot.within_limits(q)
         with self._lock, self._server.atomic():
             self.q, self._moving = q, True
-            for slider, value in zip(self._sliders, q, strict=True):
-                slider.value = float(value)
+            for slider, value in zip(self._sliders, _on_sliders(self.robot, q), strict=True):
+                slider.value = value
             self._moving = False
             self._draw()
 
@@ -174,10 +174,11 @@ class Viewer:
                 gui.add_button(label).on_click(partial(self._try, work))
             self._answer = gui.add_markdown("")
         with gui.add_folder("Joints (rad)"):
+            low, high = robot.finite_limits
             self._sliders: list[Any] = [
                 # A locked joint's slider has an end that it never goes to.
-                gui.add_slider(f"q{i + 1}", low, max(high, low + STEP), STEP, float(self.q[i]))
-                for i, (low, high) in enumerate(np.array(robot.finite_limits).T.tolist())
+                gui.add_slider(f"q{i + 1}", low[i], max(high[i], low[i] + STEP), STEP, value)
+                for i, value in enumerate(_on_sliders(robot, self.q))
             ]
         for control in (self._joint, self._at, self._along, self._mass):
             control.on_update(lambda _: self._draw())
@@ -305,6 +306,13 @@ def _numbers(robot: Robot, q: Array, hit: Hit, scale: float | None) -> str:
     lines = ["| here | | |", "| --- | --- | --- |"]
     note = "" if scale is None else f"\n\nBlue surface: directional inertia, 10 cm = {scale:g} kg."
     return "\n".join(lines + [f"| {' | '.join(row)} |" for row in rows]) + note
+
+
+def _on_sliders(robot: Robot, q: Array) -> list[float]:
+    """Return a configuration (n,) rad as sliders show it: continuous joints within one turn."""
+    turned = np.remainder(q + np.pi, 2 * np.pi) - np.pi
+    shown = np.where(np.isfinite(robot.lower) & np.isfinite(robot.upper), q, turned)
+    return [float(value) for value in np.clip(shown, *robot.finite_limits)]
 
 
 def _grid_faces(rows: int, columns: int) -> NDArray[np.int64]:

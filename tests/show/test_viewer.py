@@ -100,6 +100,20 @@ def test_a_slider_turns_the_joint_and_the_numbers_follow(viewer):
     assert f"| greatest flux, straight | {flux:.3f} | m/s |" in said
 
 
+def test_a_continuous_joint_may_be_turns_away(urdf):
+    robot = urdf.load(urdf.two_links(kind="continuous", more='<limit velocity="2" effort="3"/>'))
+    viewer = hj.view(robot, [0.5, 5.0], 2, port=PORT)
+    try:
+        np.testing.assert_allclose(viewer.q, [0.5, 5.0])
+        shown = [slider.value for slider in viewer._sliders]
+        assert shown == pytest.approx([0.5, 5.0 - 2 * np.pi])
+        viewer._sliders[0].value = 0.6
+        here = hj.position(robot, viewer.q, hj.Contact(2, (0.1, 0, 0)))
+        np.testing.assert_allclose(here, hj.position(robot, [0.6, 5.0], hj.Contact(2, (0.1, 0, 0))))
+    finally:
+        viewer.stop()
+
+
 def test_buttons(viewer):
     robot = viewer.robot
     press(viewer, "plan for inertia")
