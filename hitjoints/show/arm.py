@@ -171,40 +171,36 @@ def _draw_links(axis: Any, chain: Array) -> None:
     axis.plot(*chain[:1].T, "s", color=EDGE, ms=15, zorder=4)
 
 
-def inertia_surface(
-    inverse: ArrayLike, per_length: float | None = None
-) -> tuple[Array, float, bool] | None:
+def inertia_surface(inverse: ArrayLike) -> tuple[Array, str] | None:
     """Return the belted ellipsoid of the directional inertia as a surface round the contact.
 
     Args:
         inverse: (3, 3) 1/kg, J M^-1 J^T.
-        per_length: kg drawn as 10 cm; a round number that suits by default.
 
     Returns:
-        (rows, columns, 3) m from the contact; kg drawn as 10 cm; whether it is cut at `LONGEST`.
-        None if the contact cannot move at all.
+        (rows, columns, 3) m from the contact, cut at `LONGEST`; what it is, with its scale. None
+        if the contact cannot move at all.
     """
     u, inertia = belted_ellipsoid(inverse)
     finite = inertia[np.isfinite(inertia)]
     if not finite.size:
         return None
-    per_length = per_length or _round_number(0.1 * float(np.median(finite)) / TYPICAL)
-    radius = 0.1 * inertia / per_length
-    return np.minimum(radius, LONGEST)[..., None] * u, per_length, bool((radius > LONGEST).any())
+    per_length = _round_number(0.1 * float(np.median(finite)) / TYPICAL)  # kg per 10 cm
+    radius = np.minimum(0.1 * inertia / per_length, LONGEST)
+    note = f", cut at {LONGEST * 100:g} cm" if (radius >= LONGEST).any() else ""
+    return radius[..., None] * u, f"directional inertia, 10 cm = {per_length:g} kg{note}"
 
 
 def _draw_inertia(axis: Any, here: Array, inverse: Array) -> Array:
     drawn = inertia_surface(inverse)
     if drawn is None:
         return here[None]
-    surface, per_length, cut = here + drawn[0], *drawn[1:]
-    note = f", cut at {LONGEST * 100:g} cm" if cut else ""
+    surface, label = here + drawn[0], drawn[1]
     style = {"color": INERTIA, "alpha": 0.22, "linewidth": 0, "antialiased": True, "shade": True}
     axis.plot_surface(*np.moveaxis(surface, -1, 0), rstride=1, cstride=1, zorder=10, **style)
     axis.plot_wireframe(
         *np.moveaxis(surface, -1, 0), rstride=8, cstride=8, color=INERTIA, lw=0.5, alpha=0.5
     )
-    label = f"directional inertia, 10 cm = {per_length:g} kg{note}"
     axis.plot([], [], "-", color=INERTIA, alpha=0.5, lw=8, label=label)
     return np.asarray(surface.reshape(-1, 3))
 

@@ -98,7 +98,6 @@ class Viewer:
         self.robot, self.q = robot, q
         self._offset = robot.contact(hit.contact).offset
         self._lock, self._moving = threading.RLock(), False
-        self._scale: float | None = None
         shapes = solids(robot)
         self._carriers = [(one.joint, one.placement) for one in shapes]
         with _silence():
@@ -243,10 +242,11 @@ class Viewer:
             except InputError as error:
                 self._numbers.content = f"**{error}**"
                 return
-            self._draw_hit(hit)
-            self._numbers.content = _numbers(robot, self.q, hit, self._scale)
+            blue = self._draw_hit(hit)
+            self._numbers.content = _numbers(robot, self.q, hit) + blue
 
-    def _draw_hit(self, hit: Hit) -> None:
+    def _draw_hit(self, hit: Hit) -> str:
+        """Draw contact, direction, object and inertia; say in Markdown what the inertia's is."""
         scene, contact = self._server.scene, self.robot.contact(hit.contact)
         here, h = position(self.robot, self.q, contact), hit.direction
         colour = rgb(colour_of(contact.joint))
@@ -256,21 +256,22 @@ class Viewer:
             "/direction", arrow, (0, 0, 0), shaft_radius=0.006, head_radius=0.016, head_length=0.05
         )
         self._object.position = hit.position + EDGE / 2 * h / np.abs(h).max()
-        surface = inertia_surface(inverse_inertia(self.robot, self.q, contact), self._scale)
-        if surface is None:
+        drawn = inertia_surface(inverse_inertia(self.robot, self.q, contact))
+        if drawn is None:
             scene.remove_by_name("/inertia")
-            return
-        points_, self._scale, _ = surface
+            return ""
+        surface, label = drawn
         scene.add_mesh_simple(
             "/inertia",
-            points_.reshape(-1, 3),
-            _grid_faces(*points_.shape[:2]),
+            surface.reshape(-1, 3),
+            _grid_faces(*surface.shape[:2]),
             color=rgb(INERTIA),
             opacity=0.35,
             side="double",
             cast_shadow=False,
             position=here,
         )
+        return f"\n\nBlue surface: {label}."
 
 
 def _check_address(host: str) -> None:
@@ -287,7 +288,7 @@ def _silence() -> redirect_stdout[io.StringIO]:
     return redirect_stdout(io.StringIO())
 
 
-def _numbers(robot: Robot, q: Array, hit: Hit, scale: float | None) -> str:
+def _numbers(robot: Robot, q: Array, hit: Hit) -> str:
     """Return the quantities of a hit from q, as a table in Markdown."""
     contact, h = robot.contact(hit.contact), hit.direction
     here = position(robot, q, contact)
@@ -304,8 +305,7 @@ def _numbers(robot: Robot, q: Array, hit: Hit, scale: float | None) -> str:
             rows.append((f"greatest speed{name}", f"{speed:.3f}", "m/s"))
             rows.append((f"greatest flux{name}", f"{hit.flux_of(inertia, speed):.3f}", "m/s"))
     lines = ["| here | | |", "| --- | --- | --- |"]
-    note = "" if scale is None else f"\n\nBlue surface: directional inertia, 10 cm = {scale:g} kg."
-    return "\n".join(lines + [f"| {' | '.join(row)} |" for row in rows]) + note
+    return "\n".join(lines + [f"| {' | '.join(row)} |" for row in rows])
 
 
 def _on_sliders(robot: Robot, q: Array) -> list[float]:

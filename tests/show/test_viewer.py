@@ -1,6 +1,7 @@
 """The arm in the browser: what it is made of, where it stands, and what it says."""
 
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -98,6 +99,16 @@ def test_a_slider_turns_the_joint_and_the_numbers_follow(viewer):
     assert f"| inertia | {inertia:.3f} | kg |" in said
     assert f"| greatest speed, straight | {speed:.3f} | m/s |" in said
     assert f"| greatest flux, straight | {flux:.3f} | m/s |" in said
+
+
+def test_the_scale_of_the_surface_suits_the_inertia(viewer):
+    scales = {}
+    for joint in ("7", "5", "7"):
+        viewer._joint.value = joint
+        scales[joint] = float(re.search(r"10 cm = ([\d.]+) kg", viewer._numbers.content)[1])
+    assert scales["7"] < scales["5"]
+    viewer._joint.value = "4"  # on a sphere: along its radius the inertia has no end
+    assert "cut at 20 cm" in viewer._numbers.content
 
 
 def test_a_continuous_joint_may_be_turns_away(urdf):
