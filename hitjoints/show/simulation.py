@@ -88,7 +88,11 @@ def _draw_errors(axis: Axes, result: Simulation) -> None:
     axis.set_xlabel("simulated over predicted, less 1 (%)")
     alone = ": each cause alone" if result.causes else ""
     axis.set_title(f"how far off{alone}", fontsize="medium")
-    axis.legend(frameon=False, fontsize="small")
+    # Below the axis: among the bars it would cover some, whichever way they point.
+    axis.legend(
+        loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=len(NAMES),
+        frameon=False, fontsize="small",
+    )  # fmt: skip
 
 
 def _draw_way(speeds: Axes, ways: Axes, result: Simulation) -> None:
