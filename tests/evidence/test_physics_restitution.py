@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from hitjoints.errors import InputError
-from hitjoints.evidence.physics.restitution import (
+from hitjoints.impact.restitution import (
     LEAST,
     contact_spring,
     damping_ratio,
