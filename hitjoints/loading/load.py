@@ -25,7 +25,12 @@ FLANGE_NAMES = ("flange", "tool0", "ee_link", "link_eef")
 KEYS = {
     "name": str, "title": str, "urdf": str, "licence": str, "source": str, "lock": list,
     "hitting_joints": list, "home": list, "flange": str, "armature": list,
+    "acceleration": list, "acceleration_source": str, "jerk": list, "jerk_source": str,
+    "rotor_inertia": list, "rotor_inertia_source": str,
+    "joint_stiffness": list, "joint_stiffness_source": str,
 }  # fmt: skip
+# Facts of the drives that no description holds; each stays unknown without an entry.
+DRIVE_FACTS = ("acceleration", "jerk", "rotor_inertia", "joint_stiffness")
 
 
 class ModelWarning(UserWarning):
@@ -158,6 +163,8 @@ def build_robot(description: Description) -> Robot:
         source=" ".join(facts.get("source", "").split()),
         licence=facts.get("licence", ""),
         package_directory=description.package_directory,
+        **{key: _drive_fact(facts, key, n, name) for key in DRIVE_FACTS},
+        provenance=_provenance(facts, name),
     )
     try:
         robot.within_limits(home, "home")
@@ -174,6 +181,26 @@ def _facts_vector(facts: Mapping[str, Any], key: str, default: Any, name: str) -
     if values.shape != np.shape(default) or not np.isfinite(values).all():
         raise ModelError(name, f"{key} = {facts[key]} must be {len(default)} finite numbers")
     return values
+
+
+def _drive_fact(facts: Mapping[str, Any], key: str, n: int, name: str) -> Any:
+    if key not in facts:
+        return None
+    values = _facts_vector(facts, key, np.zeros(n), name)
+    # A drive may have a light rotor; a limit or a stiffness of zero would hold the arm still.
+    if (values < 0).any() or (key != "rotor_inertia" and not values.all()):
+        least = "not be negative" if key == "rotor_inertia" else "be above zero"
+        raise ModelError(name, f"{key} = {facts[key]} must {least}")
+    return values
+
+
+def _provenance(facts: Mapping[str, Any], name: str) -> dict[str, str]:
+    sources = {key: facts[f"{key}_source"] for key in DRIVE_FACTS if f"{key}_source" in facts}
+    for key in DRIVE_FACTS:
+        if (key in facts) != (key in sources):
+            reason = f"{key} and {key}_source belong together: a number and where it comes from"
+            raise ModelError(name, reason)
+    return {key: " ".join(source.split()) for key, source in sources.items()}
 
 
 def _flange(model: Any, frame: str | None, name: str) -> Contact:

@@ -14,6 +14,8 @@ from hitjoints.errors import InputError, ModelError
 from hitjoints.vectors import all_finite
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import ArrayLike, NDArray
 
 
@@ -64,6 +66,12 @@ class Robot:
         flange: the end of the arm, on the last joint; the point chi_{n+1} of Eq. 14.
         xml: the URDF as given to Pinocchio.
         title, source, licence: where the numbers come from.
+        acceleration: (n,) rad/s^2, acceleration limits of the drives; None when not known.
+        jerk: (n,) rad/s^3, jerk limits; None when not known.
+        rotor_inertia: (n,) kg m^2, reflected through the gears; None when not known. The mass
+            matrix holds `model.armature` instead, which is zero unless the TOML says otherwise.
+        joint_stiffness: (n,) N m/rad, of the gears and torque sensors; None when not known.
+        provenance: where each of these four comes from, by name.
     """
 
     name: str
@@ -76,10 +84,18 @@ class Robot:
     source: str = field(default="", repr=False)
     licence: str = ""
     package_directory: str = field(default="", repr=False)
+    acceleration: NDArray[np.float64] | None = field(default=None, repr=False)
+    jerk: NDArray[np.float64] | None = field(default=None, repr=False)
+    rotor_inertia: NDArray[np.float64] | None = field(default=None, repr=False)
+    joint_stiffness: NDArray[np.float64] | None = field(default=None, repr=False)
+    provenance: Mapping[str, str] = field(default_factory=dict, repr=False)
     _local: threading.local = field(default_factory=threading.local, repr=False, init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "home", _frozen(self.home))
+        for name in ("acceleration", "jerk", "rotor_inertia", "joint_stiffness"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, _frozen(getattr(self, name)))
 
     def __reduce__(self) -> tuple[type[Robot], tuple[Any, ...]]:
         """Pickle what it was made of: work spaces and derived models stay with their process."""
@@ -181,7 +197,9 @@ class Robot:
     def digest(self) -> str:
         """Hash of everything the quantities depend on: same digest, same numbers."""
         parts = [self.xml.encode()]
-        parts += [np.ascontiguousarray(a).tobytes() for a in (self.model.armature, self.lower)]
+        facts = (self.acceleration, self.jerk, self.rotor_inertia, self.joint_stiffness)
+        arrays = (self.model.armature, self.lower, *facts)
+        parts += [b"" if a is None else np.ascontiguousarray(a).tobytes() for a in arrays]
         return hashlib.sha256(b"\0".join(parts)).hexdigest()[:16]
 
     @property

@@ -199,6 +199,20 @@ def test_panda_holds_its_fingers(arm):
     assert robot.flange.offset == (0, 0, 0.107)
 
 
+def test_facts_of_the_drives(arm):
+    known = {"acceleration": "iiwa14 iiwa7 panda", "jerk": "panda", "rotor_inertia": "iiwa14 panda"}
+    for key in ("acceleration", "jerk", "rotor_inertia", "joint_stiffness"):
+        having = [name for name in ALL if getattr(arm(name), key) is not None]
+        assert having == known.get(key, "").split()
+        assert all(arm(name).provenance[key] for name in having)
+    # Reflected through the gears: the ratio squared times the motor's inertia.
+    motors = 160**2 * np.array([1.321e-4] * 4 + [0, 4.54e-5, 4.54e-5])
+    motors[4] = 100**2 * 1.321e-4
+    np.testing.assert_allclose(arm("iiwa14").rotor_inertia, motors, rtol=1e-14)
+    # The jerk limits of the Panda are reached in 2 ms.
+    np.testing.assert_allclose(arm("panda").jerk * 0.002, arm("panda").acceleration)
+
+
 def test_sources_name_where_the_numbers_come_from(arm):
     for name in ALL:
         assert re.search(r"iiwa|example-robot-data", arm(name).source)
