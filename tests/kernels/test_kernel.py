@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from hitjoints.errors import InputError
-from hitjoints.kernels import backends, build_kernel
+from hitjoints.kernels import build_kernel
 from hitjoints.kernels.formulas.outputs import OUTPUT_SHAPES
+from hitjoints.kernels.tape import backends
 
 H = np.array([0.0, 1.0, 0.0])
 CONTACTS = [(5, (0, 0, 0)), (6, (0.02, 0, 0)), (7, (0, 0, 0.1))]
