@@ -30,7 +30,7 @@ sweep joint --count 200
 sweep joint --robot panda --object 0.4,0.2,0.5 --joint 5 --joint 6 --count 100
 sweep joint --robot xarm7 --object 0.3,0.2,0.4 --direction 1,1,0 --mass 0.7 --count 100
 sweep workspace --x=0.3:0.6:4 --y=0.2:0.4:3 --z=0.5 --samples 50 --out {out}/map.zarr
-sweep workspace --robot iiwa7 --x=0.3:0.6:4 --y=0.2:0.4:3 --z=0.3:0.6:2 --samples 30 --out {out}/b.zarr
+sweep workspace --robot iiwa7 --x=0.3:0.6:4 --y=0.2:0.4:3 --z=0.3 --samples 9 --out {out}/b.zarr
 plan
 plan --robot iiwa7 --object 0.4,0.2,0.4
 plan --robot panda --object 0.4,0.2,0.5 --objective flux

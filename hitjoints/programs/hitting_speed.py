@@ -11,7 +11,7 @@ from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.programs.infeasibility import show_blocked
 from hitjoints.programs.problem import Program, Residuals
 from hitjoints.programs.proxqp import solve
-from hitjoints.tolerances import RANK_TOLERANCE
+from hitjoints.tolerances import rank_floor
 from hitjoints.vectors import unit
 
 if TYPE_CHECKING:
@@ -119,8 +119,8 @@ def build_hitting_speed(
         direction: (3,), of any length but zero.
         lower, upper: (n,) rad/s.
         straight: add the rows B^T J qd = 0, B (3, 2) an orthonormal complement of h: no motion
-            sideways. B is turned so that its rows are orthogonal, and a row below the rank
-            tolerance is zero: sideways the arm cannot move there, whatever its round-off says.
+            sideways. B is turned so that its rows are orthogonal, and a row below `rank_floor` is
+            zero: sideways the arm cannot move there, whatever its round-off says.
 
     Raises:
         InputError: wrong shapes, or a number that is not finite.
@@ -164,7 +164,7 @@ def _sideways(J: Matrix, h: Vector) -> Matrix:
     B = np.linalg.svd(h[None, :])[2][1:].T
     _, s, Vt = np.linalg.svd(B.T @ J, full_matrices=False)
     rows = np.zeros((2, J.shape[1]))
-    rows[: s.size] = np.where(s > RANK_TOLERANCE, s, 0.0)[:, None] * Vt
+    rows[: s.size] = np.where(s > rank_floor(J), s, 0.0)[:, None] * Vt
     return rows
 
 
