@@ -12,16 +12,16 @@ from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InfeasibleError, InputError, SolverError
 from hitjoints.hitting.field import HittingField
 from hitjoints.planning.acceleration import accelerated
+from hitjoints.programs.hitting_speed import solve_hitting_speed, step_bounds
 from hitjoints.programs.problem import Program
 from hitjoints.programs.proxqp import solve
-from hitjoints.programs.speed import solve_hitting_speed, step_bounds
 from hitjoints.tolerances import rank_floor
 from hitjoints.vectors import unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.robot import Contact, Robot
+    from hitjoints.model.robot import Contact, Robot
 
     Array = NDArray[np.float64]
 

@@ -8,8 +8,8 @@ import pytest
 
 import hitjoints as hj
 from hitjoints import errors
-from hitjoints.dynamics.impact import hitting_flux
 from hitjoints.errors import SHOWN, InputError, shown
+from hitjoints.impact.collision import hitting_flux
 from hitjoints.vectors import real
 
 EXAMPLES = [

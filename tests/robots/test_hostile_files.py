@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hitjoints.errors import HitjointsError, InputError, ModelError
-from hitjoints.loading import load_robot
+from hitjoints.loading.load import load_robot
 
 
 def refusal(source, **options):
