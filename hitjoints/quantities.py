@@ -161,6 +161,7 @@ def _chain_of(robot: Robot) -> Chain:
 def checked(
     robot: Robot, q: ArrayLike, contact: Contact | int, direction: ArrayLike
 ) -> tuple[Contact, NDArray[np.float64], NDArray[np.float64]]:
+    """Return contact, configurations and unit directions; errors as `directional_inertia`."""
     contact, q, h = robot.contact(contact), robot.configuration(q), unit(direction)
     if h.ndim == 2 and (q.ndim == 1 or len(h) != len(q)):
         expected = "one direction" if q.ndim == 1 else f"one direction, or {len(q)} as in q"

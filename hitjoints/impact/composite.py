@@ -15,7 +15,7 @@ import pinocchio as pin
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.robot import Contact, Robot
+    from hitjoints.model.robot import Contact, Robot
 
     Array = NDArray[np.float64]
 
@@ -79,14 +79,14 @@ def _poses(bodies: Bodies, q: Array) -> tuple[Array, Array]:
 
 def _about(axis: Array, angle: Array) -> Array:
     """Return the rotations (N, 3, 3) by angles (N,) about an axis (3,)."""
-    cross = np.cross(np.eye(3), axis).T
+    cross = np.cross(axis, np.eye(3)).T
     s, c = np.sin(angle)[:, None, None], np.cos(angle)[:, None, None]
     return np.asarray(np.eye(3) + s * cross + (1.0 - c) * (cross @ cross))
 
 
 @lru_cache(maxsize=16)
 def _bodies(robot: Robot) -> Bodies:
-    from hitjoints.kernels.chain import joint_axes
+    from hitjoints.kernels.formulas.chain import joint_axes
 
     model: pin.Model = robot.model
     axes, prismatic = joint_axes(model)

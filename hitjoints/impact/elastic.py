@@ -19,7 +19,7 @@ from hitjoints.vectors import unit
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.robot import Contact, Robot
+    from hitjoints.model.robot import Contact, Robot
 
     Array = NDArray[np.float64]
 
@@ -117,7 +117,10 @@ def elastic_impact(
     for name, value in (("mass", mass), ("speed", speed), ("contact_time", contact_time)):
         if not (np.isfinite(value) and value > 0):
             raise InputError(name, value, "it must be finite and above 0")
-    at_rest, damped = servo if servo is not None else (0.0, 0.0)
+    try:
+        proportional, derivative = servo if servo is not None else (0.0, 0.0)
+    except (TypeError, ValueError):
+        raise InputError("servo", servo, "two gains: N m/rad and N m s/rad") from None
     model, data = robot.model, robot.data
     g = h @ point_jacobian(model, data, q, contact)
     factor_mass_matrix(model, data, q)
@@ -127,7 +130,7 @@ def elastic_impact(
         known_rotors(robot, rotor_inertia),
         known_stiffness(robot, stiffness),
         per_joint(damping, robot, "damping"),
-        (per_joint(at_rest, robot, "servo"), per_joint(damped, robot, "servo")),
+        (per_joint(proportional, robot, "servo"), per_joint(derivative, robot, "servo")),
     )
     require_mobile(arm.mobility, contact, h)
     between = pair_spring(arm.mobility, mass, restitution, contact_time)

@@ -14,7 +14,7 @@ from hitjoints.quantities import checked, directional_inertia, directional_inert
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.robot import Contact, Robot
+    from hitjoints.model.robot import Contact, Robot
 
 InertiaModel = Literal["rigid", "rotor", "composite"]
 INERTIA_MODELS: tuple[InertiaModel, ...] = ("rigid", "rotor", "composite")

@@ -14,7 +14,7 @@ from hitjoints.errors import InputError, ModelError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.robot import Robot
+    from hitjoints.model.robot import Robot
 
     Array = NDArray[np.float64]
 

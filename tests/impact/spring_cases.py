@@ -1,4 +1,4 @@
-"""Random arms on springs, and a referee that integrates their equations as they are written down."""
+"""Random arms on springs, and a referee that integrates their equations as they stand."""
 
 from __future__ import annotations
 

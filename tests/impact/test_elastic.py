@@ -32,7 +32,7 @@ def test_balance_and_equivalent(arm):
 def test_speeds_are_proportional_and_times_and_inertias_are_not(arm):
     slow, fast = hit(arm), hit(arm, speed=1.6)
     assert fast.object_speed == pytest.approx(2 * slow.object_speed, rel=1e-12)
-    for name in ("contact_time", "shown", "equivalent", "second_contact"):
+    for name in ("contact_time", "shown", "equivalent"):
         assert getattr(fast, name) == pytest.approx(getattr(slow, name), rel=1e-9)
 
 
@@ -60,10 +60,8 @@ def test_servos_push(arm):
 
 
 def test_an_object_faster_than_any_inertia_makes_it(arm):
-    strong = hit(
-        arm, restitution=0.0, contact_time=0.005, servo=(0.0, 1e4), stiffness=3e2, mass=0.1
-    )
-    assert strong.object_speed > 0.8
+    strong = hit(arm, mass=4.0, restitution=0.05, contact_time=0.05, servo=(1e5, 1e3))
+    assert strong.object_speed > 1.05 * 0.8
     assert strong.equivalent is None
 
 
@@ -113,6 +111,6 @@ def test_what_cannot_be_used_is_named(arm, given, said):
 
 
 def test_motors_that_are_not_known():
-    arm = hj.load_robot("ur5")
+    arm = hj.load_robot("xarm7")
     with pytest.raises(hj.ModelError, match="rotor_inertia"):
         hit(arm, q=arm.home, contact=5)

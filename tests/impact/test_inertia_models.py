@@ -23,8 +23,8 @@ def some(robot, count, seed=3):
 def test_rotors_are_on_the_diagonal_of_the_mass_matrix(arm):
     q, h = some(arm, 30)
     batch = hj.impact_inertia(arm, q, 6, h, "rotor")
+    h /= np.linalg.norm(h, axis=1, keepdims=True)
     for row, along, value in zip(q, h, batch, strict=True):
-        along = along / np.linalg.norm(along)
         M = pin.crba(arm.model, arm.model.createData(), row)
         g = hj.jacobian(arm, row, 6).T @ along
         expected = 1 / (g @ np.linalg.solve(M + np.diag(arm.rotor_inertia), g))
@@ -74,7 +74,8 @@ def test_composite_is_the_sum_over_the_bodies(arm):
         twist = np.cross(place - middle, unit)
         expected = 1 / (1 / total + twist @ np.linalg.solve(second, twist))
         assert value == pytest.approx(expected, rel=1e-12)
-        assert hj.impact_inertia(arm, row, contact, along, "composite") == value
+        single = hj.impact_inertia(arm, row, contact, along, "composite")
+        assert single == pytest.approx(value, rel=1e-13)
 
 
 def test_rotors_only_add_inertia_and_locked_joints_at_most_the_mass(arm):
@@ -99,7 +100,7 @@ def test_known_medians_of_the_iiwa():
 
 
 def test_what_is_not_known_is_said():
-    arm = hj.load_robot("ur5")
+    arm = hj.load_robot("xarm7")
     with pytest.raises(hj.ModelError, match=r"rotor_inertia .* to its TOML.*--rotor-inertia"):
         hj.impact_inertia(arm, arm.home, 5, H, "rotor")
     assert hj.impact_inertia(arm, arm.home, 5, H, "rotor", rotor_inertia=0.1) > 0

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from scipy.linalg import block_diag
+from spring_cases import LONGEST, integrate, random_case
 
 from hitjoints.impact.elastic import pair_spring
 from hitjoints.impact.restitution import contact_spring, restitution_of
 from hitjoints.impact.spring_arm import second_contact
-from spring_cases import LONGEST, integrate, random_case
 
 
 @pytest.fixture
