@@ -4,6 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+LONGEST_VALUE, LONGEST_TEXT = 120, 1000  # letters of a value in a message, and of its text
+
+
+def shortened(value: object, longest: int = LONGEST_VALUE) -> str:
+    """Return a value as messages show it: its beginning and end when it is long."""
+    text = str(value)
+    if len(text) <= longest:
+        return text
+    return f"{text[: longest // 2]} ... {text[-longest // 2 :]} ({len(text)} letters)"
+
 
 class HitjointsError(Exception):
     """Root of every error the package raises on purpose; its text is one line."""
@@ -20,7 +30,7 @@ class InputError(HitjointsError, ValueError):
 
     def __init__(self, argument: str, value: object, expected: str) -> None:
         self.argument, self.value, self.expected = argument, value, expected
-        super().__init__(f"{argument} = {value}: {expected}")
+        super().__init__(f"{argument} = {shortened(value)}: {shortened(expected, LONGEST_TEXT)}")
 
 
 class UnknownNameError(InputError):
@@ -36,7 +46,7 @@ class ModelError(HitjointsError):
 
     def __init__(self, source: str, reason: str) -> None:
         self.source, self.reason = source, reason
-        super().__init__(f"robot {source}: {reason}")
+        super().__init__(f"robot {shortened(source)}: {shortened(reason, LONGEST_TEXT)}")
 
 
 class InfeasibleError(HitjointsError):
