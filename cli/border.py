@@ -14,7 +14,7 @@ import warnings
 from collections.abc import Sequence
 from typing import Any
 
-from hitjoints.errors import HitjointsError, InfeasibleError, shortened
+from hitjoints.errors import HitjointsError, InfeasibleError, shown
 
 from .complaints import complain
 from .signals import Signals
@@ -86,7 +86,7 @@ def _explain(error: BaseException, words: list[str]) -> int:
             return DONE
         case OSError():
             _abandon_stdout()
-            where = "the output" if error.filename is None else shortened(error.filename)
+            where = "the output" if error.filename is None else shown(error.filename)
             complain("error", f"{where}: {error.strerror or error}")
         case MemoryError():
             complain("error", "there is not enough memory for this")

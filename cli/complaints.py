@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sys
 
-from hitjoints.errors import LONGEST_TEXT, shortened
+from hitjoints.errors import shown
 
-LONGEST = 2 * LONGEST_TEXT  # letters of a line
+LONGEST = 2000  # letters of a line
 
 
 def complain(kind: str, message: str) -> None:
@@ -21,5 +21,5 @@ def complain(kind: str, message: str) -> None:
 
 def printable(text: str) -> str:
     """Return a text on one line, without what would move a terminal's cursor."""
-    line = shortened(" ".join(text.split()), LONGEST)
+    line = shown(text, longest=LONGEST)
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in line)

@@ -39,16 +39,16 @@ def print_table(
     from rich import box
     from rich.console import Console
     from rich.table import Table
-    from rich.text import Text
 
-    # A name in a file may hold what Rich takes for markup: text stays text.
-    heading = Text(printable(title), style="table.title")
-    table = Table(title=heading, caption=caption, box=box.SIMPLE_HEAD, title_justify="left")
+    table = Table(
+        title=printable(title), caption=caption, box=box.SIMPLE_HEAD, title_justify="left"
+    )
     for i, column in enumerate(columns):
         table.add_column(column, justify="left" if i == 0 else "right")
     for row in rows:
-        table.add_row(*(Text(printable(_cell(value))) for value in row))
-    console = Console()
+        table.add_row(*(printable(_cell(value)) for value in row))
+    # Names are what a file says, brackets and all.
+    console = Console(markup=False, emoji=False)
     if not console.is_terminal:
         console.width = FILE_WIDTH
     console.print(table)
