@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from .complaints import complain
+from .impact_options import (
+    ContactTimeOption,
+    Drives,
+    RestitutionOption,
+    RotorOption,
+    StiffnessOption,
+    impact_by_model,
+    impact_rows,
+)
 from .options import (
     DIRECTION,
     MASS,
@@ -36,14 +45,29 @@ def inspect(
     q: ConfigurationOption = None,
     direction: DirectionOption = DIRECTION,
     mass: MassOption = MASS,
+    impact: Annotated[
+        str | None,
+        typer.Option(
+            "--impact", metavar="MODEL", help="rigid, rotor, composite, elastic, or all of them."
+        ),
+    ] = None,
+    contact_time: ContactTimeOption = None,
+    restitution: RestitutionOption = None,
+    stiffness: StiffnessOption = None,
+    rotor_inertia: RotorOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Show position, inertia, gradient, speed and flux at one configuration."""
+    """Show position, inertia, gradient, speed and flux at one configuration.
+
+    With --impact, what the arm shows in a hit at its greatest speed, by models of its drives.
+    """
     from hitjoints.errors import InfeasibleError
     from hitjoints.loading.load import load_robot
     from hitjoints.model.robot import Contact
 
     check_mass(mass)
+    drives = Drives(contact_time, restitution, stiffness, rotor_inertia)
+    drives.check(impact)
     arm = load_robot(robot)
     chosen = arm.usual_joint if joint is None else joint
     contact = arm.contact(Contact(chosen, triple(offset, "offset")))
@@ -51,6 +75,11 @@ def inspect(
     try:
         result = _quantities(arm, configuration, contact, numbers(direction), mass)
         reason = None
+        if impact is not None:
+            h, speed = result["direction"], result["speed"]
+            result["impact"] = impact_by_model(
+                arm, configuration, contact, h, mass, speed, impact, drives
+            )
     except InfeasibleError as error:
         result, reason = error.data, error.reason
     if as_json:
@@ -122,6 +151,7 @@ def _print(robot: Robot, contact: Contact, result: dict[str, Any]) -> None:
         ("straight speed", result["straight_speed"], "m/s"),
         (f"flux, {result['mass']:g} kg object", result["flux"], "m/s"),
         ("straight flux", result["straight_flux"], "m/s"),
+        *impact_rows(result.get("impact", {})),
     ]
     title = (
         f"{robot.title}: hit with joint {contact.joint}"
