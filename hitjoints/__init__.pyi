@@ -34,8 +34,8 @@ from .errors import (
 from .evidence.paper.reproduction import reproduce as reproduce
 from .evidence.physics.simulation import simulate as simulate
 from .evidence.recordings.replayer import replay as replay
+from .hit import Hit as Hit
 from .hitting.controller import Controller as Controller
-from .hitting.flux_hit import Hit as Hit
 from .impact.collision import (
     hitting_flux as hitting_flux,
 )
