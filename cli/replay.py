@@ -68,12 +68,13 @@ def replay(
     Each robot's file has the object's, object_M_hit_N.csv, beside it. A file that cannot be used
     is reported with its reason, and the rest goes on.
     """
+    from hitjoints.evidence.recordings.files import read_by
     from hitjoints.evidence.recordings.replay import replay as compare
     from hitjoints.maps.files import DATASET_ENDINGS, write_dataset
 
     if mass is not None:
         check_mass(mass)
-    check_outputs(plot, (out, "out", DATASET_ENDINGS))
+    check_outputs(plot, (out, "out", DATASET_ENDINGS), inputs=[*read_by(files or ()), robot])
     with _progress() as progress:
         result = compare(
             files or None,

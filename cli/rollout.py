@@ -74,7 +74,7 @@ def rollout(
     from hitjoints.hitting.rollout import rollout as roll
     from hitjoints.maps.files import DATASET_ENDINGS
 
-    check_outputs(plot, (out, "out", DATASET_ENDINGS))
+    check_outputs(plot, (out, "out", DATASET_ENDINGS), inputs=[robot, plan])
     arm, hit, starts = read_asked(
         robot, position, direction, mass, joint, contact_offset, flux, plan, q0, start
     )

@@ -8,7 +8,7 @@ import hitjoints
 PACKAGE = Path(hitjoints.__file__).parent
 FLOORS = [
     {"errors", "version", "tolerances"},
-    {"vectors"},
+    {"vectors", "datasets"},
     {"robot", "urdf"},
     {"dynamics", "kernels"},
     {"modelcheck"},
