@@ -76,7 +76,7 @@ def check_outputs(
     Raises:
         InputError: an ending is not one of those, a path cannot be written to, or two are one.
     """
-    from hitjoints.maps.files import check_apart, check_writable
+    from hitjoints.datasets.files import check_apart, check_writable
     from hitjoints.show.figures import FIGURE_ENDINGS
 
     asked = []

@@ -1,1 +1,1 @@
-"""Data sets and what is written from them: units, files, whole or not at all."""
+"""Results as xarray data sets: units, origin, files."""

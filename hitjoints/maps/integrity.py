@@ -11,7 +11,7 @@ from hitjoints.datasets.ownership import root_attributes
 from hitjoints.errors import InputError
 from hitjoints.maps.cells import PER_DIRECTION
 from hitjoints.maps.grid import Grid
-from hitjoints.maps.layout import BLOCKWISE, coordinates_of, part_of
+from hitjoints.maps.map_layout import BLOCKWISE, coordinates_of, part_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -16,13 +16,13 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hitjoints.datasets.files import resolved, scratch_beside
 from hitjoints.datasets.lock import locked
 from hitjoints.errors import InputError
 from hitjoints.maps.cells import Question
-from hitjoints.maps.files import resolved, scratch_beside
 from hitjoints.maps.grid import Grid
 from hitjoints.maps.integrity import missing_blocks, open_arrays, read_attributes
-from hitjoints.maps.layout import BLOCKWISE, attributes_of, lay_out, part_of
+from hitjoints.maps.map_layout import BLOCKWISE, attributes_of, lay_out, part_of
 
 if TYPE_CHECKING:
     import numpy as np
