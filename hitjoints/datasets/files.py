@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import errno
 import os
+import shutil
 import stat
 import tempfile
+import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
 
 DATASET_ENDINGS = (".zarr", ".nc", ".csv")
 MAP_ENDINGS = (".zarr",)
+TRIES = 20
+"""At removing a scratch folder."""
 
 
 def check_writable(path: Path, argument: str, endings: tuple[str, ...]) -> None:
@@ -118,8 +122,16 @@ def resolved(path: Path) -> Path:
 @contextmanager
 def scratch_beside(path: Path) -> Iterator[Path]:
     """Yield a path on the same disk, whose folder is gone afterwards with what is left in it."""
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".hitjoints.") as scratch:
-        yield Path(scratch) / f"made{path.suffix}"
+    scratch = Path(tempfile.mkdtemp(dir=path.parent, prefix=".hitjoints."))
+    try:
+        yield scratch / f"made{path.suffix}"
+    finally:
+        # Threads of zarr's may still be writing when one of them was refused.
+        for _ in range(TRIES):
+            shutil.rmtree(scratch, ignore_errors=True)
+            if not scratch.exists():
+                break
+            time.sleep(0.05)
 
 
 def write_dataset(dataset: Dataset, path: Path, argument: str = "out") -> None:
