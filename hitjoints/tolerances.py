@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +11,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MOBILITY_FLOOR = 1e-16
-"""Below this h^T J M^-1 J^T h (1/kg) a contact cannot move along h: an infeasible direction."""
+"""Below this h^T J M^-1 J^T h (1/kg) an inertia is not told from an infinite one."""
 
 RANK = 1e-6
 """Motion below this share of a Jacobian's size, its Frobenius norm, counts as none.
@@ -21,6 +22,11 @@ to half of this; a direction kept to within it is kept to a millionth of a radia
 
 STILL = 1e-9
 """Motion below this (m/rad) counts as none however small the Jacobian: a point on the axes."""
+
+
+def moves(jacobian: NDArray[np.float64], pull: NDArray[np.float64]) -> bool:
+    """Tell whether a point moves along h at all, by its Jacobian (3, n) and the pull J^T h (n,)."""
+    return math.sqrt(pull @ pull) > float(rank_floor(jacobian))
 
 
 def rank_floor(jacobian: NDArray[np.float64]) -> Any:
