@@ -20,6 +20,9 @@ Robot files write pi/2 as 1.5708, which gives a Jacobian of rank two a third sin
 to half of this; a direction kept to within it is kept to a millionth of a radian.
 """
 
+AT_MAXIMUM = 1e-6
+"""A wish that exceeds a maximum by no more than this share is at the maximum, and granted."""
+
 STILL = 1e-9
 """Motion below this (m/rad) counts as none however small the Jacobian: a point on the axes."""
 
@@ -42,3 +45,20 @@ def rank_floor(jacobian: NDArray[np.float64]) -> Any:
         m/rad, a float or (N,).
     """
     return np.maximum(RANK * np.sqrt((jacobian * jacobian).sum(axis=(-2, -1))), STILL)
+
+
+def exceeds(wish: float, most: float) -> bool:
+    """Tell whether a wish is beyond a maximum by more than round-off and solvers may leave."""
+    return wish > most * (1.0 + AT_MAXIMUM)
+
+
+def told_apart(wish: float, most: float) -> tuple[str, str]:
+    """Return two different numbers in words that differ, with four digits or as many as it takes.
+
+    A refusal that says "1.14 of the 1.14 asked for" contradicts itself.
+    """
+    for digits in range(4, 17):
+        words = f"{wish:.{digits}g}", f"{most:.{digits}g}"
+        if words[0] != words[1]:
+            break
+    return words

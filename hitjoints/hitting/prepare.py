@@ -10,6 +10,7 @@ from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.quantities import hitting_speed, place_joint
+from hitjoints.tolerances import exceeds, told_apart
 from hitjoints.vectors import points
 
 if TYPE_CHECKING:
@@ -132,9 +133,10 @@ def _refuse_flux(robot: Robot, hit: Hit, q: Array) -> None:
     contact, h = robot.contact(hit.contact), hit.direction
     straight = hitting_speed(robot, q, contact, h, straight=True)
     most = hit.flux_of(inertia_along(robot, q, contact, h), straight)
-    if hit.flux > most:
+    if exceeds(hit.flux, most):
+        wish, limit = told_apart(hit.flux, most)
         raise InfeasibleError(
-            f"a flux of {hit.flux:.4g} m/s is beyond the maximum of {most:.4g} m/s for motion "
+            f"a flux of {wish} m/s is beyond the maximum of {limit} m/s for motion "
             f"along the direction with joint {contact.joint} at the object",
             {"maximum_flux": most, "flux": hit.flux},
         )
