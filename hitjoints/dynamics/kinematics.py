@@ -14,7 +14,7 @@ from hitjoints.vectors import unit
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.robot import Contact, Robot
+    from hitjoints.model.robot import Contact, Robot
 
 WORLD_ALIGNED = pin.LOCAL_WORLD_ALIGNED
 

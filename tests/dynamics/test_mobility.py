@@ -13,7 +13,7 @@ from hitjoints.dynamics.kinematics import (
     position,
 )
 from hitjoints.errors import HitjointsError, InfeasibleError
-from hitjoints.robot import Contact
+from hitjoints.model.robot import Contact
 from hitjoints.tolerances import MOBILITY_FLOOR, rank_floor
 
 BENT = np.array([0.3, 0.7, 0.2, -1.3, 0.4, 0.9, 0.1])

@@ -10,8 +10,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from hitjoints.loading import describe, load_robot, robot_names
-from hitjoints.modelcheck import check_arm
+from hitjoints.loading.check import check_arm
+from hitjoints.loading.load import describe, load_robot, robot_names
 
 OWN = ["iiwa14", "iiwa14_bullet", "iiwa7"]
 ALL = [*OWN, "panda", "xarm7"]

@@ -8,8 +8,8 @@ import pytest
 
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.errors import InputError, ModelError, UnknownNameError
-from hitjoints.loading import load_robot
-from hitjoints.robot import Contact
+from hitjoints.loading.load import load_robot
+from hitjoints.model.robot import Contact
 
 
 @pytest.fixture
