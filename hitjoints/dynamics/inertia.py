@@ -116,10 +116,21 @@ def _inertia_and_response(
     g = h @ jac
     u = response(robot.model, robot.data, q, g)
     mobility = float(g @ u)
-    if not moves(jac, g):
+    require_mobile(jac, mobility, contact, h)
+    return 1.0 / mobility, u
+
+
+def require_mobile(
+    jacobian: NDArray[np.float64], mobility: float, contact: Contact, h: NDArray[np.float64]
+) -> None:
+    """Refuse a direction h that a contact of that Jacobian and mobility (1/kg) cannot move along.
+
+    Raises:
+        InfeasibleError: with the mobility, which is round-off.
+    """
+    if not moves(jacobian, h @ jacobian):
         raise InfeasibleError(
             f"infeasible direction: joint {contact.joint} cannot move along "
             f"({', '.join(f'{v:.4g}' for v in h)}) in this configuration",
             {"joint": contact.joint, "direction": h.tolist(), "mobility": mobility},
         )
-    return 1.0 / mobility, u

@@ -7,7 +7,7 @@ import pytest
 
 import hitjoints as hj
 from hitjoints.errors import InfeasibleError
-from hitjoints.hitting.flux_hit import Hit
+from hitjoints.hit import Hit
 from hitjoints.rollouts.prepare import prepare
 from hitjoints.tolerances import told_apart
 
