@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+LEAST_FLUX = 1e-6
+"""m/s, the least flux that is a hit: an object so hit moves its own length in a day."""
+
 
 @dataclass(frozen=True, eq=False)
 class Hit:
@@ -53,8 +56,7 @@ class Hit:
             object.__setattr__(self, name, fixed)
         if not (math.isfinite(self.mass) and self.mass > 0):
             raise InputError("mass", self.mass, "an object weighs more than 0 kg")
-        if not (math.isfinite(self.flux) and self.flux > 0):
-            raise InputError("flux", self.flux, "a desired flux is finite and above 0 m/s")
+        check_flux(self.flux)
 
     @property
     def words(self) -> str:
@@ -70,6 +72,16 @@ class Hit:
     def flux_of(self, inertia: float, speed: float) -> float:
         """Return the flux (m/s) of an inertia (kg) and a speed (m/s), Eq. 4."""
         return inertia / (inertia + self.mass) * speed
+
+
+def check_flux(flux: float) -> None:
+    """Refuse a flux (m/s) that no hit has.
+
+    Raises:
+        InputError: not finite, or less than `LEAST_FLUX`.
+    """
+    if not (math.isfinite(flux) and flux >= LEAST_FLUX):
+        raise InputError("flux", flux, f"a desired flux is finite and at least {LEAST_FLUX:g} m/s")
 
 
 class State(NamedTuple):
