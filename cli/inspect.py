@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from .complaints import complain
 from .options import (
     DIRECTION,
     MASS,
@@ -22,10 +23,10 @@ from .options import (
     numbers,
     triple,
 )
-from .render import complain, print_json, print_table
+from .render import print_json, print_table
 
 if TYPE_CHECKING:
-    from hitjoints.robot import Contact, Robot
+    from hitjoints.model.robot import Contact, Robot
 
 
 def inspect(
@@ -39,8 +40,8 @@ def inspect(
 ) -> None:
     """Show position, inertia, gradient, speed and flux at one configuration."""
     from hitjoints.errors import InfeasibleError
-    from hitjoints.loading import load_robot
-    from hitjoints.robot import Contact
+    from hitjoints.loading.load import load_robot
+    from hitjoints.model.robot import Contact
 
     check_mass(mass)
     arm = load_robot(robot)

@@ -19,6 +19,7 @@ from .asked import (
     StartOption,
     read_asked,
 )
+from .complaints import complain
 from .options import (
     ORIGIN,
     ROBOT,
@@ -31,10 +32,10 @@ from .options import (
     TorquesOption,
     check_outputs,
 )
-from .render import complain, print_json, print_table
+from .render import print_json, print_table
 
 if TYPE_CHECKING:
-    from hitjoints.hitting.record import Rollout
+    from hitjoints.rollouts.record import Rollout
 
 
 def rollout(
@@ -73,8 +74,8 @@ def rollout(
 
     Without --plan, --q0 or --start it plans the configuration, the start and the run-up first.
     """
-    from hitjoints.hitting.rollout import rollout as roll
-    from hitjoints.maps.files import DATASET_ENDINGS
+    from hitjoints.datasets.files import DATASET_ENDINGS
+    from hitjoints.rollouts.follow import rollout as roll
 
     check_outputs(plot, (out, "out", DATASET_ENDINGS))
     arm, hit, starts = read_asked(
@@ -96,7 +97,7 @@ def rollout(
     if as_json:
         asked = {
             "robot": robot,
-            "joint": arm.contact(hit.contact).joint,
+            "joint": arm.contact(hit.chosen_contact).joint,
             "flux": flux,
             "torque_limits": torque_limits,
         }
@@ -113,14 +114,14 @@ def rollout(
 
 def _write(result: Rollout, out: Path | None, plot: Path | None) -> None:
     if out is not None:
-        from hitjoints.hitting.record import flattened
-        from hitjoints.maps.files import write_dataset
+        from hitjoints.datasets.files import write_dataset
+        from hitjoints.rollouts.record import flattened
 
         dataset = result.dataset
         write_dataset(flattened(dataset) if out.suffix == ".csv" else dataset, out)
     if plot is not None:
         from hitjoints.show.figures import save_figure
-        from hitjoints.show.rollout import draw_rollout
+        from hitjoints.show.rollout_figure import draw_rollout
 
         save_figure(draw_rollout(result), plot)
 
@@ -137,7 +138,7 @@ def _print(result: Rollout) -> None:
             ("inertia", impact.inertia, "kg"),
             ("desired inertia", impact.desired_inertia, "kg"),
             ("speed", impact.speed, "m/s"),
-            (f"flux, {hit.flux:g} m/s desired", impact.flux, "m/s"),
+            (f"flux, {hit.desired_flux:g} m/s desired", impact.flux, "m/s"),
             ("q", impact.q, "rad"),
         ]
     times = result.as_dict()["step_time_us"]
@@ -147,6 +148,6 @@ def _print(result: Rollout) -> None:
         ("greatest torque, of its limit", result.torque_ratio_max, ""),
         ("time of a control step", f"{times['median']:.0f}, 99 %: {times['p99']:.0f}", "us"),
     ]
-    joint = result.robot.contact(hit.contact).joint
+    joint = result.robot.contact(hit.chosen_contact).joint
     title = f"{result.robot.title}: joint {joint} hits {hit.words}"
     print_table(title, ("at the impact", "value", "unit"), rows)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from .complaints import complain
 from .options import (
     DIRECTION,
     MASS,
@@ -28,7 +29,7 @@ from .options import (
     spaced,
     triple,
 )
-from .render import complain, print_json, print_table
+from .render import print_json, print_table
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -75,7 +76,7 @@ def sweep_workspace(
 ) -> None:
     """Map inertia, speed and flux over a grid of object positions."""
     import hitjoints as hj
-    from hitjoints.maps.files import write_dataset
+    from hitjoints.datasets.files import write_dataset
 
     check_mass(mass)
     check_outputs(plot, (out, "out", (".zarr",)), (netcdf, "nc", (".nc",)), (csv, "csv", (".csv",)))
@@ -103,7 +104,7 @@ def sweep_workspace(
             write_dataset(swept, path, argument)
     if plot is not None:
         from hitjoints.show.figures import save_figure
-        from hitjoints.show.workspace import draw_workspace
+        from hitjoints.show.workspace_figure import draw_workspace
 
         save_figure(draw_workspace(arm, swept), plot)
     rows = _summary(swept)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,12 +14,11 @@ from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InfeasibleError
 from hitjoints.hitting.controller import MOST_STEPS, Controller, Step
-from hitjoints.hitting.record import Impact
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.hitting.hit import Hit
+    from hitjoints.hit import Hit
 
     Array = NDArray[np.float64]
 
@@ -38,6 +38,30 @@ GRACE = 1.0
 """s more, for what a start beside the line takes."""
 AT_LIMIT = 1e-6
 """rad, a joint this near to its limit stands at it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Impact:
+    """The state in which the contact crosses the plane through the object.
+
+    Attributes:
+        time: s. position: (3,) m. miss: m, from there to the object.
+        direction_error: deg, between the contact's velocity and the hitting direction.
+        inertia, desired_inertia: kg. speed: m/s along the direction. flux: m/s.
+        q: (n,) rad.
+        saturated: the desired flux was out of reach, or the limits slowed the arm down.
+    """
+
+    time: float
+    position: Array
+    miss: float
+    direction_error: float
+    inertia: float
+    desired_inertia: float
+    speed: float
+    flux: float
+    q: Array
+    saturated: bool
 
 
 class Approach:
@@ -61,7 +85,7 @@ class Approach:
         robot, hit = control.robot, control.hit
         patience = max(1, math.ceil(PATIENCE / control.dt))
         distance = control.ahead(position(robot, self.q, control.contact))
-        steps = (SLOWNESS * distance / hit.flux + GRACE) / control.dt
+        steps = (SLOWNESS * distance / hit.desired_flux + GRACE) / control.dt
         for _ in range(math.ceil(min(steps, MOST_STEPS))):
             if not self._advance():
                 return
@@ -143,7 +167,7 @@ def why_no_hit(hit: Hit, impact: Impact) -> str:
             f"askew: the contact moves {impact.direction_error:.3g} degrees off the direction at "
             f"the impact, more than {ASKEW:g}"
         )
-    share = impact.flux / hit.flux
+    share = impact.flux / hit.desired_flux
     if abs(share - 1.0) > WEAK:
         reached = "too strong" if share > 1.0 else "too weak"
         limited = ", as the limits let it on this way" if share < 1.0 and impact.saturated else ""

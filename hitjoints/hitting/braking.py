@@ -13,16 +13,16 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from hitjoints.hitting.stopping import stopping_rate
-from hitjoints.programs.speed import step_bounds
-from hitjoints.programs.torques import Impulses, with_impulses
-from hitjoints.programs.velocity import Terms
+from hitjoints.programs.hitting_speed import step_bounds
+from hitjoints.programs.joint_velocity import Terms
+from hitjoints.programs.torque_rows import Impulses, with_impulses
 from hitjoints.programs.warm import WarmProgram
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.hitting.torques import TorqueLimits
-    from hitjoints.robot import Robot
+    from hitjoints.hitting.torque_limits import TorqueLimits
+    from hitjoints.model.robot import Robot
 
     Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.evidence.paper.scenario import JOINTS, PRINTED
-from hitjoints.show.arm import BOX, draw_arm
+from hitjoints.show.drawn_arm import BOX, draw_arm
 from hitjoints.show.figures import colour_of
 
 if TYPE_CHECKING:
@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from hitjoints.evidence.paper.reproduce import Experiments
+    from hitjoints.evidence.paper.reproduction import Experiments
     from hitjoints.evidence.paper.scenario import Scenario
-    from hitjoints.hitting.record import Rollout
+    from hitjoints.rollouts.record import Rollout
 
 ARMS = {"iiwa14_bullet": "-", "iiwa14": "--"}
 
@@ -101,7 +101,7 @@ def _heading(arms: Mapping[str, Experiments], joint: int) -> str:
     assert hits is not None
     impact = hits.shown(joint).impact
     assert impact is not None
-    asked = hits.shown(joint).hit.flux
+    asked = hits.shown(joint).hit.desired_flux
     short = f" of {asked:g}" if impact.flux < asked / 2 else ""
     return (
         f"joint {joint}: {impact.inertia:.3g} kg at the impact, flux {impact.flux:.2g}{short} m/s"

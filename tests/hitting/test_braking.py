@@ -7,10 +7,10 @@ import pytest
 from scipy.optimize import linprog
 
 import hitjoints as hj
+from hitjoints.hit import Hit
 from hitjoints.hitting.braking import Brake
 from hitjoints.hitting.controller import Controller
-from hitjoints.hitting.hit import Hit
-from hitjoints.hitting.torques import TorqueLimits
+from hitjoints.hitting.torque_limits import TorqueLimits
 
 ARMS, STATES, DT = ("iiwa14", "iiwa7", "panda", "xarm7"), 2500, 0.002
 HIT = (np.array([0.5, 0.3, 0.5]), np.array([0.0, 1.0, 0.0]), 2.0, 0.3)
