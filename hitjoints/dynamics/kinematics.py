@@ -102,7 +102,7 @@ def feasible_directions(robot: Robot, q: ArrayLike, contact: Contact | int) -> F
     """
     jac = jacobian(robot, q, contact)
     left, singular, _ = np.linalg.svd(jac, full_matrices=False)
-    rank = int((singular > RANK_TOLERANCE).sum())
+    rank = int((singular > RANK_TOLERANCE * singular[0]).sum())
     basis = left[:, :rank]
     pull = jac.T @ basis
     lower, upper = robot.velocity_lower[:, None], robot.velocity_upper[:, None]

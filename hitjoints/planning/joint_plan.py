@@ -13,6 +13,7 @@ from hitjoints.planning.candidates import Candidate, evidence_of, measure
 from hitjoints.planning.certificate import certify
 from hitjoints.planning.objectives import Hit, HitProblem
 from hitjoints.planning.sampler import Sampler
+from hitjoints.planning.moving import blind_slack
 from hitjoints.planning.search import Found, search
 from hitjoints.quantities import place_joint
 
@@ -42,7 +43,8 @@ def plan_joint(
     if not infeasible.movers(hit):
         return infeasible.fixed(hit)
     probe = place_joint(hit.robot, hit.contact, np.tile(hit.position, (64, 1)), seed)
-    if not probe.solved.any():
+    reached = probe.solved | (probe.error <= blind_slack(hit.robot, hit.contact))
+    if not reached.any():
         return infeasible.unreachable(hit, probe, certificate)
     sampler = Sampler(hit, hit.robot.lower, hit.robot.upper)
     problem = HitProblem(hit, "inertia" if objective == "rebound" else objective, flux=flux)
@@ -52,7 +54,7 @@ def plan_joint(
     else:
         found, refusal = _search_with_flux(hit, problem, sampler, seed)
     if refusal is None and not found.value.size:
-        placed = probe.q[probe.solved]
+        placed = probe.q[reached]
         found, refusal = _second_try(hit, problem, sampler, seed, placed, certificate)
     if refusal is not None:
         return refusal

@@ -164,7 +164,8 @@ def _sideways(J: Matrix, h: Vector) -> Matrix:
     B = np.linalg.svd(h[None, :])[2][1:].T
     _, s, Vt = np.linalg.svd(B.T @ J, full_matrices=False)
     rows = np.zeros((2, J.shape[1]))
-    rows[: s.size] = np.where(s > RANK_TOLERANCE, s, 0.0)[:, None] * Vt
+    least = RANK_TOLERANCE * float(np.linalg.norm(J, 2))
+    rows[: s.size] = np.where(s > least, s, 0.0)[:, None] * Vt
     return rows
 
 
