@@ -7,8 +7,8 @@ import numpy as np
 
 import hitjoints as hj
 from hitjoints.hitting.controller import Controller
-from hitjoints.hitting.hit import Hit
-from hitjoints.hitting.prepare import prepare
+from hitjoints.hitting.flux_hit import Hit
+from hitjoints.rollouts.prepare import prepare
 
 PERIOD = 0.002  # s, 500 Hz
 

@@ -18,16 +18,16 @@ import numpy as np
 from hitjoints.errors import InputError, UnknownNameError
 from hitjoints.hitting.desired import DesiredInertia, Weighting
 from hitjoints.hitting.field import RATE, SIGMA, HittingField
-from hitjoints.hitting.hit import Hit, State, observe
+from hitjoints.hitting.flux_hit import Hit, State, observe
 from hitjoints.hitting.laws import LawName, Motion, law_named
-from hitjoints.hitting.posture import most_manipulable
-from hitjoints.hitting.torques import TorqueLimits
-from hitjoints.programs.velocity import reachable_speed
+from hitjoints.hitting.manipulability_posture import most_manipulable
+from hitjoints.hitting.torque_limits import TorqueLimits
+from hitjoints.programs.joint_velocity import reachable_speed
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.robot import Robot
+    from hitjoints.model.robot import Robot
 
     Array = NDArray[np.float64]
 

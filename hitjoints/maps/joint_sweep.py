@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.dynamics.impact import hitting_flux
+from hitjoints.datasets.describe import described
 from hitjoints.errors import InfeasibleError, InputError
-from hitjoints.maps.describe import described
+from hitjoints.impact.collision import hitting_flux
+from hitjoints.model.robot import Contact
 from hitjoints.quantities import kernel_for, place_joint
-from hitjoints.robot import Contact
 from hitjoints.vectors import points, unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
     from xarray import Dataset
 
-    from hitjoints.robot import Robot
+    from hitjoints.model.robot import Robot
 
 OUTPUTS = ("inertia", "speed", "straight_speed")
 

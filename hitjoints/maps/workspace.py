@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
     from xarray import DataArray, Dataset
 
-    from hitjoints.robot import Contact, Robot
+    from hitjoints.model.robot import Contact, Robot
 
 POSITIONS_PER_BLOCK = 2000  # what a kill can cost, and the finest grain of a cluster's work
 Progress = Callable[[int, int], None]

@@ -13,7 +13,7 @@ from hitjoints.errors import ModelError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.robot import Robot
+    from hitjoints.model.robot import Robot
 
     Array = NDArray[np.float64]
 

@@ -1,0 +1,1 @@
+"""What an arm is, and how its description is read."""
