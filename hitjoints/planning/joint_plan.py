@@ -13,7 +13,7 @@ from hitjoints.planning.objectives.freedom import blind_slack
 from hitjoints.planning.objectives.hit_problem import Hit, HitProblem
 from hitjoints.planning.proof import infeasible
 from hitjoints.planning.proof.certificate import certify
-from hitjoints.planning.search.groups import Found, search
+from hitjoints.planning.search.groups import Found, dealt, search
 from hitjoints.planning.search.sampler import Sampler
 from hitjoints.quantities import place_joint
 
@@ -71,11 +71,11 @@ def plan_joint(
     return Candidate(hit.contact.joint, True, "", **measure(hit, q), evidence=evidence)
 
 
-def _admissible(problem: HitProblem, hints: Array | None) -> Array | None:
-    """Return those of the hints (H, n) that a search may start from."""
+def _admissible(problem: HitProblem, hints: Array | None) -> list[Array]:
+    """Return those of the hints (H, n) that a search may start from, dealt out to its groups."""
     if hints is None or not len(hints):
-        return None
-    return np.asarray(hints[problem.screen(hints)[1] == 0])
+        return []
+    return dealt(hints[problem.screen(hints)[1] == 0])
 
 
 def _search_with_flux(
@@ -86,10 +86,13 @@ def _search_with_flux(
     hardest = search(HitProblem(hit, "flux"), sampler, seed)
     if not hardest.value.size:
         return hardest, None
-    enough = hardest.x[np.exp(hardest.value) > problem.flux]
-    if not len(enough):
-        return hardest, infeasible.short_of_flux(hit, problem.flux, hardest)
-    return search(problem, sampler, seed, enough), None
+    able = [part[problem.screen(part)[1] == 0] for part in hardest.by_group]
+    if not any(map(len, able)):
+        best = hardest.x[problem.screen(hardest.x[:, : problem.n])[1] == 0]
+        if not len(best):
+            return hardest, infeasible.short_of_flux(hit, problem.flux, hardest)
+        able = [best]
+    return search(problem, sampler, seed, able), None
 
 
 def _second_try(
@@ -106,7 +109,7 @@ def _second_try(
         pointing = search(HitProblem(hit, "away"), sampler, seed)
         if not infeasible.points_away(pointing):
             return pointing, infeasible.pointed_at(hit, pointing, prove)
-        found = search(problem, sampler, seed, pointing.x)
+        found = search(problem, sampler, seed, pointing.by_group)
         if found.value.size:
             return found, None
     q = placed[0] if pointing is None else pointing.x[0]
