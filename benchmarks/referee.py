@@ -116,9 +116,7 @@ def judge(question: Question, seeds: int, slsqp: bool, seed: int) -> dict[str, A
     begin = time.perf_counter()
     plans = [question.ask(objective, number, flux) for number in range(seeds)]
     spent = (time.perf_counter() - begin) / seeds
-    values = [
-        float(getattr(one, QUANTITIES[objective])) if one.feasible else 0.0 for one in plans
-    ]
+    values = [float(getattr(one, QUANTITIES[objective])) if one.feasible else 0.0 for one in plans]
     peer = None
     if slsqp:
         planner = SciPyPlanner(

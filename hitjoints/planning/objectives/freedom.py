@@ -1,4 +1,4 @@
-"""The directions a contact moves in at an object, and those it cannot move in whatever the arm does.
+"""The directions a contact moves in at an object, and those it never moves in.
 
 Some contacts have a Jacobian of rank two or one in every configuration: an elbow moves on a sphere
 about the shoulder. A description with rounded angles makes that nearly so, with a last singular
@@ -17,12 +17,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.quantities import kernel_for, place_joint
-from hitjoints.tolerances import RANK, rank_floor
+from hitjoints.tolerances import rank_floor
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.robot import Contact, Robot
+    from hitjoints.model.robot import Contact, Robot
 
     Array = NDArray[np.float64]
 
@@ -88,8 +88,8 @@ def freedom(
     most = int(rank.max())
     clear = np.argmax(np.where(rank == most, size[:, most - 1], 0.0)) if most else 0
     seen = axes[clear, :, :most].T
-    turn, share, _ = np.linalg.svd(across @ seen.T)
-    kept = turn.T[: len(share)][share > RANK]
+    turn, size, _ = np.linalg.svd(across @ seen.T @ seen @ jacobians[clear], full_matrices=False)
+    kept = turn.T[size > rank_floor(jacobians[clear])]
     sideways = kept @ across @ seen.T @ seen
     return Freedom(seen, h @ seen.T @ seen, sideways, SLACK)
 
@@ -97,7 +97,8 @@ def freedom(
 @lru_cache(maxsize=64)
 def is_blind(robot: Robot, contact: Contact) -> bool:
     """Tell whether the contact's Jacobian has a rank below three in all configurations."""
-    q = np.random.default_rng(0).uniform(*robot.finite_limits, (PROBES, robot.n))
+    low, high = robot.finite_limits
+    q = np.random.default_rng(0).uniform(low, high, (PROBES, robot.n))
     kernel = kernel_for(robot, (contact,), ("jacobian",))
     jacobians = kernel(q, np.array([1.0, 0.0, 0.0]))["jacobian"][0]
     size = np.linalg.svd(jacobians, compute_uv=False)

@@ -74,9 +74,7 @@ class Found:
         return float(1.0 - np.exp(self.restarts.min() - self.restarts.max()))
 
 
-def search(
-    problem: HitProblem, sampler: Sampler, seed: int, hints: Sequence[Array] = ()
-) -> Found:
+def search(problem: HitProblem, sampler: Sampler, seed: int, hints: Sequence[Array] = ()) -> Found:
     """Find the global optimum of a problem, with evidence.
 
     Args:
