@@ -15,14 +15,16 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
+from hitjoints.dynamics.observation import State, observe
 from hitjoints.errors import InputError, UnknownNameError
+from hitjoints.hit import Hit
 from hitjoints.hitting.desired import DesiredInertia, Weighting
 from hitjoints.hitting.field import RATE, SIGMA, HittingField
-from hitjoints.hitting.flux_hit import Hit, State, observe
 from hitjoints.hitting.laws import LawName, Motion, law_named
 from hitjoints.hitting.manipulability_posture import most_manipulable
 from hitjoints.hitting.torque_limits import TorqueLimits
 from hitjoints.programs.joint_velocity import reachable_speed
+from hitjoints.vectors import real
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -127,7 +129,7 @@ class Controller:
         if torque_limits and law != "qp":
             raise InputError("law", law, "torque limits are rows of the law 'qp'")
         self.robot, self.hit, self.dt = robot, hit, float(dt)
-        self.contact = robot.contact(hit.contact)
+        self.contact = robot.contact(hit.chosen_contact)
         self.position, self.direction = hit.position, hit.direction
         self.gains = Gains() if gains is None else gains
         if posture is None:
@@ -193,7 +195,7 @@ class Controller:
             InfeasibleError: the contact cannot move along the direction in this configuration, or
                 the torque limits leave no motion.
         """
-        q = np.asarray(q, dtype=float)
+        q = real(q, "q", f"{self._shape[0]} joint positions in rad")
         if q.shape != self._shape or not ((q >= self._low) & (q <= self._high)).all():
             q = self._touching(q)
         state = observe(self.robot, q, self.contact, self.direction)
@@ -250,7 +252,7 @@ class Controller:
         return self.torques is None or self.torques.can_stop(self.follow(q, qd), qd)
 
     def _velocity(self, qd: ArrayLike) -> Array:
-        array = np.asarray(qd, dtype=float)
+        array = real(qd, "qd", f"{self._shape[0]} finite joint velocities")
         if array.shape != self._shape or not np.isfinite(array).all():
             raise InputError("qd", array.tolist(), f"{self._shape[0]} finite joint velocities")
         return array

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.errors import InputError
+from hitjoints.vectors import real
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -101,20 +102,14 @@ def required_speed(
 
 
 def _numbers(name: str, values: ArrayLike) -> Any:
-    try:
-        array = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(name, values, "a number is needed") from None
+    array = real(values, name, "a number is needed")
     if not np.isfinite(array).all():
         raise InputError(name, _offender(array, ~np.isfinite(array)), "it must be finite")
     return array
 
 
 def _inertia(values: ArrayLike) -> Any:
-    try:
-        array = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError("inertia", values, "a number is needed") from None
+    array = real(values, "inertia", "a number is needed")
     if not (array > 0).all():
         raise InputError("inertia", _offender(array, ~(array > 0)), "it must be above 0 kg")
     return array

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import tomllib
 import warnings
 from collections.abc import Collection, Mapping
@@ -13,10 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from hitjoints.errors import InputError, ModelError, UnknownNameError
+from hitjoints.errors import InputError, ModelError, UnknownNameError, shown
 from hitjoints.loading.check import check_arm
 from hitjoints.model.robot import Contact, Robot
 from hitjoints.model.urdf import Arm, read_arm, read_text
+from hitjoints.vectors import real
 
 ERD = "example-robot-data"
 # Frames that mark the end of an arm in common URDFs, tried in this order.
@@ -91,7 +93,7 @@ def describe(name_or_path: str | Path, lock: Collection[str] = ()) -> Descriptio
     path = Path(text)
     if path.suffix == ".toml":
         return _from_toml(path, lock)
-    if path.suffix != ".urdf" and "/" not in text and not path.is_file():
+    if path.suffix != ".urdf" and "/" not in text and not os.path.isfile(text):
         known = erd_urdfs()
         if text not in known:
             raise UnknownNameError(
@@ -103,20 +105,23 @@ def describe(name_or_path: str | Path, lock: Collection[str] = ()) -> Descriptio
 
 
 def _from_toml(path: Path, lock: Collection[str]) -> Description:
+    text = read_text(str(path))
     try:
-        facts = tomllib.loads(read_text(str(path)))
-    except tomllib.TOMLDecodeError as error:
+        facts = tomllib.loads(text)
+    except RecursionError:
+        raise ModelError(str(path), "not a TOML file (nested too deeply)") from None
+    except ValueError as error:
         raise ModelError(str(path), f"not a TOML file ({error})") from None
     for key, value in facts.items():
         if key not in KEYS:
             raise ModelError(str(path), f"unknown key {key!r}; the keys are {', '.join(KEYS)}")
         if not isinstance(value, KEYS[key]):
             kind = "text" if KEYS[key] is str else "a list"
-            raise ModelError(str(path), f"{key} = {value!r} must be {kind}")
+            raise ModelError(str(path), f"{key} = {shown(value, repr)} must be {kind}")
     if "urdf" not in facts:
         raise ModelError(str(path), "the key 'urdf' must name the URDF file")
     if not all(isinstance(joint, str) for joint in facts.get("lock", ())):
-        raise ModelError(str(path), f"lock = {facts['lock']} must be names of joints")
+        raise ModelError(str(path), f"lock = {shown(facts['lock'])} must be names of joints")
     package, _, inside = facts["urdf"].rpartition(":")
     urdf = (erd_directory() / inside) if package == ERD else path.parent / facts["urdf"]
     name = facts.get("name", path.stem)
@@ -144,14 +149,14 @@ def build_robot(description: Description) -> Robot:
     model.lowerVelocityLimit = -model.upperVelocityLimit
     model.armature = _facts_vector(facts, "armature", np.zeros(n), name)
     if (model.armature < 0).any():
-        raise ModelError(name, f"armature = {facts['armature']} must not be negative")
+        raise ModelError(name, f"armature = {shown(facts['armature'])} must not be negative")
     lower, upper = model.lowerPositionLimit, model.upperPositionLimit
     middle, bounded = np.zeros(n), np.isfinite(lower)
     middle[bounded] = (lower[bounded] + upper[bounded]) / 2
     home = _facts_vector(facts, "home", middle, name)
     joints = tuple(facts.get("hitting_joints", range(max(1, n - 2), n + 1)))
     if not joints or not all(type(k) is int and 1 <= k <= n for k in joints):
-        raise ModelError(name, f"hitting_joints = {joints} must be joints from 1 to {n}")
+        raise ModelError(name, f"hitting_joints = {shown(joints)} must be joints from 1 to {n}")
     robot = Robot(
         name=name,
         model=model,
@@ -174,12 +179,13 @@ def build_robot(description: Description) -> Robot:
 
 
 def _facts_vector(facts: Mapping[str, Any], key: str, default: Any, name: str) -> Any:
+    wanted = f"must be {len(default)} finite numbers"
     try:
-        values = np.array(facts.get(key, default), dtype=float)
-    except (TypeError, ValueError):
+        values = real(facts.get(key, default), key, wanted)
+    except InputError:
         values = np.empty(0)
     if values.shape != np.shape(default) or not np.isfinite(values).all():
-        raise ModelError(name, f"{key} = {facts[key]} must be {len(default)} finite numbers")
+        raise ModelError(name, f"{key} = {shown(facts[key])} {wanted}")
     return values
 
 
@@ -190,7 +196,7 @@ def _drive_fact(facts: Mapping[str, Any], key: str, n: int, name: str) -> Any:
     # A drive may have a light rotor; a limit or a stiffness of zero would hold the arm still.
     if (values < 0).any() or (key != "rotor_inertia" and not values.all()):
         least = "not be negative" if key == "rotor_inertia" else "be above zero"
-        raise ModelError(name, f"{key} = {facts[key]} must {least}")
+        raise ModelError(name, f"{key} = {shown(facts[key])} must {least}")
     return values
 
 

@@ -58,9 +58,7 @@ def sweep_joint(
         InputError: an argument cannot be used.
         InfeasibleError: no joint reaches the position.
     """
-    chosen = [robot.contact(k).joint for k in (joints or robot.hitting_joints)]
-    if len(set(chosen)) < len(chosen):
-        raise InputError("joint", chosen, "each joint once")
+    chosen = [contact.joint for contact in robot.contacts(joints)]
     if count < 2:
         raise InputError("count", count, "at least 2 angles")
     target = points(position, "position").reshape(3)

@@ -80,9 +80,7 @@ def sweep_workspace(
         raise InputError("mass", mass, "an object weighs more than 0 kg")
     if samples < 1:
         raise InputError("samples", samples, "at least 1 configuration per position")
-    contacts = tuple(robot.contact(k) for k in (joints or robot.hitting_joints))
-    if len(set(contacts)) < len(contacts):
-        raise InputError("joint", [c.joint for c in contacts], "each joint once")
+    contacts = robot.contacts(joints)
     h = np.atleast_2d(unit(directions))
     question = Question(robot, contacts, h, float(mass), samples, seed)
     grid = make_grid(x, y, z, POSITIONS_PER_BLOCK)

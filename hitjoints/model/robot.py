@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.errors import InputError, ModelError
-from hitjoints.vectors import all_finite
+from hitjoints.vectors import all_finite, real
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -32,10 +32,10 @@ class Contact:
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        try:
-            values = np.asarray(self.offset, dtype=float)
-        except (TypeError, ValueError):
-            raise InputError("offset", self.offset, "three finite numbers in metres") from None
+        if isinstance(self.joint, np.integer):
+            # Pinocchio takes Python's integers alone.
+            object.__setattr__(self, "joint", int(self.joint))
+        values = real(self.offset, "offset", "three finite numbers in metres")
         if values.shape != (3,) or not np.isfinite(values).all():
             raise InputError("offset", self.offset, "three finite numbers in metres")
         object.__setattr__(self, "offset", tuple(float(v) for v in values))
@@ -222,10 +222,24 @@ class Robot:
         if not isinstance(contact, Contact):
             contact = Contact(contact)
         joint = contact.joint
-        valid = isinstance(joint, (int, np.integer)) and not isinstance(joint, bool)
-        if not valid or not 1 <= joint <= self.n:
+        if type(joint) is not int or not 1 <= joint <= self.n:
             raise InputError("joint", joint, f"{self.name} has joints 1 to {self.n}")
         return contact
+
+    def contacts(self, joints: Iterable[Contact | int] | None = None) -> tuple[Contact, ...]:
+        """Return joints or contacts as Contacts of this robot, its hitting joints by default.
+
+        Raises:
+            InputError: there is no such joint, none at all, or one twice.
+        """
+        if joints is None:
+            joints = self.hitting_joints
+        if not hasattr(joints, "__iter__"):
+            raise InputError("joints", joints, "a list of joints, even of one")
+        contacts = tuple(map(self.contact, joints))
+        if not contacts or len(set(contacts)) < len(contacts):
+            raise InputError("joint", [c.joint for c in contacts], "at least one, each once")
+        return contacts
 
     def configuration(self, q: ArrayLike, argument: str = "q") -> NDArray[np.float64]:
         """Return `q` as one (n,) or many (N, n) finite configurations.
@@ -233,10 +247,7 @@ class Robot:
         Raises:
             InputError: wrong shape, or not finite.
         """
-        try:
-            array = np.asarray(q, dtype=float)
-        except (TypeError, ValueError):
-            raise InputError(argument, q, f"{self.n} numbers in rad") from None
+        array = real(q, argument, f"{self.n} numbers in rad")
         if array.shape[-1:] != (self.n,) or array.ndim not in (1, 2):
             raise InputError(
                 argument,

@@ -8,6 +8,8 @@ is a description that it is known to accept.
 from __future__ import annotations
 
 import math
+import os
+import stat
 from collections import Counter
 from collections.abc import Collection
 from dataclasses import dataclass, field
@@ -30,6 +32,8 @@ UNSUPPORTED = {
 }
 # urdfdom accepts no infinite limit, so a continuous joint passes through it with this range (rad).
 UNBOUNDED = 1e9
+MOST_JOINTS = 16  # what the kernels take
+LARGEST = 1 << 26  # bytes of a description
 
 
 @dataclass(frozen=True)
@@ -72,6 +76,13 @@ def read_arm(text: str, source: str, lock: Collection[str] = ()) -> Arm:
         ModelError: the text is no URDF, or no fixed-base serial chain of revolute, continuous and
             prismatic joints; the message names the joint and the reason.
     """
+    try:
+        return _read(text, source, lock)
+    except RecursionError:
+        raise ModelError(source, "not a URDF: its elements are nested too deeply") from None
+
+
+def _read(text: str, source: str, lock: Collection[str]) -> Arm:
     root = _parse(text, source)
     joints = {j.get("name", ""): j for j in root.findall("joint")}
     for name in lock:
@@ -174,6 +185,8 @@ def _serial_order(joints: dict[str, Element], source: str) -> list[str]:
         order.append(at)
     if not order:
         raise ModelError(source, "it has no moving joint")
+    if len(order) > MOST_JOINTS:
+        raise ModelError(source, f"it has {len(order)} joints, an arm at most {MOST_JOINTS}")
     return order
 
 
@@ -284,11 +297,23 @@ def read_text(path: str) -> str:
     """Return a description file's text.
 
     Raises:
-        InputError: the file cannot be read as text.
+        InputError: the file cannot be read as text, is no plain file, or is larger than any
+            description.
     """
     try:
+        # A device or a pipe may never end.
+        status = os.stat(path)
+        if not (stat.S_ISREG(status.st_mode) or stat.S_ISDIR(status.st_mode)):
+            raise InputError("robot", path, "a description is a file, not a device or a pipe")
+        if status.st_size > LARGEST:
+            raise InputError("robot", path, f"a description has at most {LARGEST >> 20} MB")
         with open(path, encoding="utf-8-sig") as file:
             return file.read()
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not a UTF-8 text file"
-        raise InputError("robot", path, str(reason)) from None
+    except UnicodeDecodeError:
+        raise InputError("robot", path, "not a UTF-8 text file") from None
+    except OSError as error:
+        raise InputError("robot", path, str(error.strerror)) from None
+    except InputError:
+        raise
+    except ValueError:
+        raise InputError("robot", path, "a path holds no null character") from None

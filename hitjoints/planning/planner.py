@@ -148,9 +148,7 @@ def plan(
         raise InputError("mass", mass, "an object weighs more than 0 kg")
     if seed < 0:
         raise InputError("seed", seed, "a seed is not negative")
-    contacts = [robot.contact(k) for k in (robot.hitting_joints if joints is None else joints)]
-    if not contacts or len(set(contacts)) < len(contacts):
-        raise InputError("joint", [c.joint for c in contacts], "at least one, each once")
+    contacts = robot.contacts(joints)
     target, h = points(position, "position"), unit(direction)
     for name, vector in (("position", target), ("direction", h)):
         if vector.shape != (3,):

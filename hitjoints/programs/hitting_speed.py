@@ -12,7 +12,7 @@ from hitjoints.programs.infeasibility import show_blocked
 from hitjoints.programs.problem import Program, Residuals
 from hitjoints.programs.proxqp import solve
 from hitjoints.tolerances import rank_floor
-from hitjoints.vectors import unit
+from hitjoints.vectors import real, unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -125,7 +125,7 @@ def build_hitting_speed(
     Raises:
         InputError: wrong shapes, or a number that is not finite.
     """
-    J = np.asarray(jacobian, dtype=float)
+    J = real(jacobian, "jacobian", "three rows, one column per joint")
     if J.ndim != 2 or J.shape[0] != 3:
         raise InputError("jacobian", f"shape {J.shape}", "three rows, one column per joint")
     _finite("jacobian", J.ravel())
@@ -169,7 +169,7 @@ def _sideways(J: Matrix, h: Vector) -> Matrix:
 
 
 def _vector(name: str, values: ArrayLike, size: int | None = None) -> Vector:
-    array = np.asarray(values, dtype=float)
+    array = real(values, name, "one number per joint")
     if array.ndim != 1 or size not in (None, array.size):
         expected = "one number per joint" + ("" if size is None else f", {size} of them")
         raise InputError(name, f"shape {array.shape}", expected)

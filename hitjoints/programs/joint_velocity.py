@@ -16,7 +16,7 @@ from hitjoints.errors import InputError
 from hitjoints.programs.problem import Program, Residuals
 from hitjoints.programs.proxqp import solve
 from hitjoints.programs.warm import ROWS
-from hitjoints.vectors import points, unit
+from hitjoints.vectors import points, real, unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -246,13 +246,14 @@ def _flux_program(
     weights: ArrayLike | None,
     rho: float,
 ) -> tuple[Program, bool]:
-    J = np.asarray(jacobian, dtype=float)
+    J = real(jacobian, "jacobian", "three rows of finite numbers")
     if J.ndim != 2 or J.shape[0] != 3 or not np.isfinite(J).all():
         raise InputError("jacobian", f"shape {J.shape}", "three rows of finite numbers")
     n = J.shape[1]
     f, h = points(velocity, "velocity"), unit(direction)
-    low, high = np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
-    W = np.ones(n) if weights is None else np.asarray(weights, dtype=float)
+    each = f"{n} numbers, one per joint"
+    low, high = real(lower, "lower", each), real(upper, "upper", each)
+    W = np.ones(n) if weights is None else real(weights, "weights", each)
     for name, array, shape in (
         ("velocity", f, (3,)),
         ("direction", h, (3,)),

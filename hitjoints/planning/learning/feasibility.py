@@ -40,7 +40,7 @@ from hitjoints.model.robot import Contact
 from hitjoints.planning.learning.greatest_flux import flux_of, maximum_flux, random_positions
 from hitjoints.planning.learning.similar_hits import features, turned
 from hitjoints.quantities import place_joint
-from hitjoints.vectors import points, unit
+from hitjoints.vectors import points, real, unit
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -117,7 +117,7 @@ class Feasibility:
         """
         at, h = points(position, "position"), unit(direction)
         try:
-            wanted = np.asarray(flux, dtype=float)
+            wanted = real(flux, "flux", "one number, or one per position")
             at, h, _ = np.broadcast_arrays(at, h, wanted[..., None])
         except (TypeError, ValueError):
             raise InputError("flux", flux, "one number, or one per position") from None
