@@ -200,4 +200,4 @@ def _row(one: Candidate, best: bool) -> list[object]:
     sure = f"{proof}{evidence['agreeing']}/{len(evidence['restarts'])}"
     verdict = f"best: {one.reason}" if best else one.reason
     numbers = (one.inertia, one.speed, one.straight_speed, one.flux, one.straight_flux)
-    return [name, *(at_most(value) for value in numbers), sure, verdict]
+    return [name, *(at_most(float(value or 0.0)) for value in numbers), sure, verdict]

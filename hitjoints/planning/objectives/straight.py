@@ -43,7 +43,7 @@ def straight_velocities(pull: Array, across: Array, lower: Array, upper: Array) 
     mu = np.stack(
         ((g2 * first[:, 1] - g1 * second[:, 1]), (g1 * second[:, 0] - g2 * first[:, 0])), axis=-1
     ) * scale[:, :, None]  # fmt: skip
-    if not usable.any(axis=1).all():
+    if not (len(pairs) and usable.any(axis=1).all()):
         # Sideways all joints move the contact along one line, or not at all.
         square = (across**2).sum(axis=1)
         moving = square > 0
