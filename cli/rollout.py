@@ -58,7 +58,9 @@ def rollout(
     speed_profile: Annotated[
         str, typer.Option("--speed-profile", help="Field beside the line: constant, or paper.")
     ] = "constant",
-    dt: Annotated[float, typer.Option("--dt", metavar="S", help="Control step.")] = 0.002,
+    dt: Annotated[
+        float, typer.Option("--dt", metavar="S", help="Control step, 2e-5 to 0.05 s.")
+    ] = 0.002,
     plan: PlanOption = None,
     q0: Q0Option = None,
     start: StartOption = None,

@@ -9,7 +9,9 @@ import numpy as np
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.programs.joint_velocity import WITHIN_REACH
 from hitjoints.quantities import hitting_speed, place_joint
+from hitjoints.tolerances import exceeds, told_apart
 from hitjoints.vectors import points
 
 if TYPE_CHECKING:
@@ -124,7 +126,9 @@ def _start(robot: Robot, hit: Hit, q: Array, run_up: float | None, torque_limits
     from hitjoints.planning.start import plan_start
 
     contact, h = robot.contact(hit.chosen_contact), hit.direction
-    speed = hit.speed(inertia_along(robot, q, contact, h))
+    straight = hitting_speed(robot, q, contact, h, straight=True)
+    # What the controller asks for too: at the very maximum round-off decides if there is a way.
+    speed = min(hit.speed(inertia_along(robot, q, contact, h)), WITHIN_REACH * straight)
     return plan_start(robot, q, contact, h, speed, run_up=run_up, torque_limits=torque_limits)
 
 
@@ -132,10 +136,11 @@ def _refuse_flux(robot: Robot, hit: Hit, q: Array) -> None:
     contact, h = robot.contact(hit.chosen_contact), hit.direction
     straight = hitting_speed(robot, q, contact, h, straight=True)
     most = hit.flux_of(inertia_along(robot, q, contact, h), straight)
-    if hit.desired_flux > most:
+    if exceeds(hit.desired_flux, most):
+        wish, limit = told_apart(hit.desired_flux, most)
         raise InfeasibleError(
-            f"a flux of {hit.desired_flux:.4g} m/s is beyond the maximum of {most:.4g} m/s for "
-            f"motion along the direction with joint {contact.joint} at the object",
+            f"a flux of {wish} m/s is beyond the maximum of {limit} m/s for motion "
+            f"along the direction with joint {contact.joint} at the object",
             {"maximum_flux": most, "flux": hit.desired_flux},
         )
 
