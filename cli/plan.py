@@ -87,7 +87,7 @@ def plan(
     from hitjoints.planning.room.surroundings import Surroundings
 
     check_mass(mass)
-    check_outputs(plot, (out, "out", (".json",)))
+    check_outputs(plot, (out, "out", (".json",)), inputs=[robot])
     arm = load_robot(robot)
     size = None if object_size is None else triple(object_size, "object_size")
     around = Surroundings(size, table_height, margin)

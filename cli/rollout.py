@@ -77,7 +77,7 @@ def rollout(
     from hitjoints.datasets.files import DATASET_ENDINGS
     from hitjoints.rollouts.follow import rollout as roll
 
-    check_outputs(plot, (out, "out", DATASET_ENDINGS))
+    check_outputs(plot, (out, "out", DATASET_ENDINGS), inputs=[robot, plan])
     arm, hit, starts = read_asked(
         robot, position, direction, mass, joint, contact_offset, flux, plan, q0, start
     )
