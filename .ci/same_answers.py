@@ -72,7 +72,7 @@ def asked(program: str, words: list[str], out: str) -> object:
 
 
 def stripped(value: object, out: str) -> object:
-    """Return the answer without wall times, and without the folders it was written to and installed in."""
+    """Return the answer without wall times and without the folders of outputs and builds."""
     if isinstance(value, dict):
         return {k: stripped(v, out) for k, v in value.items() if k not in TIMES}
     if isinstance(value, list):
