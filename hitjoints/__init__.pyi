@@ -48,14 +48,12 @@ from .impact.collision import (
 from .impact.collision import (
     required_speed as required_speed,
 )
+from .loading.catalogue import robot_names as robot_names
 from .loading.load import (
     ModelWarning as ModelWarning,
 )
 from .loading.load import (
     load_robot as load_robot,
-)
-from .loading.load import (
-    robot_names as robot_names,
 )
 from .maps.joint_sweep import sweep_joint as sweep_joint
 from .maps.workspace import open_map as open_map
