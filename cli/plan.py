@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from .complaints import complain
 from .options import (
     DIRECTION,
     MASS,
@@ -27,7 +28,7 @@ from .options import (
     numbers,
     triple,
 )
-from .render import complain, print_json, print_table
+from .render import print_json, print_table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -86,7 +87,7 @@ def plan(
     from hitjoints.planning.room.surroundings import Surroundings
 
     check_mass(mass)
-    check_outputs(plot, (out, "out", (".json",)))
+    check_outputs(plot, (out, "out", (".json",)), inputs=[robot])
     arm = load_robot(robot)
     size = None if object_size is None else triple(object_size, "object_size")
     around = Surroundings(size, table_height, margin)

@@ -19,6 +19,7 @@ from .asked import (
     StartOption,
     read_asked,
 )
+from .complaints import complain
 from .options import (
     ORIGIN,
     ROBOT,
@@ -32,7 +33,7 @@ from .options import (
     check_outputs,
     triple,
 )
-from .render import complain, print_json, print_table
+from .render import print_json, print_table
 
 if TYPE_CHECKING:
     from hitjoints.evidence.physics.simulated_hit import Cause, Simulation
@@ -113,7 +114,12 @@ def simulate(
     from hitjoints.evidence.physics.simulation import simulate as run
     from hitjoints.show.animation import ANIMATION_ENDINGS
 
-    check_outputs(plot, (out, "out", DATASET_ENDINGS), (animate, "animate", ANIMATION_ENDINGS))
+    check_outputs(
+        plot,
+        (out, "out", DATASET_ENDINGS),
+        (animate, "animate", ANIMATION_ENDINGS),
+        inputs=[robot, plan],
+    )
     arm, hit, starts = read_asked(
         robot, position, direction, mass, joint, contact_offset, flux, plan, q0, start
     )

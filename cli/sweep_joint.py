@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from .complaints import complain
 from .options import (
     DIRECTION,
     MASS,
@@ -24,7 +25,7 @@ from .options import (
     check_outputs,
     numbers,
 )
-from .render import complain, print_json, print_table
+from .render import print_json, print_table
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -51,7 +52,7 @@ def sweep_joint(
     from hitjoints.datasets.files import DATASET_ENDINGS, write_dataset
 
     check_mass(mass)
-    check_outputs(plot, (out, "out", DATASET_ENDINGS))
+    check_outputs(plot, (out, "out", DATASET_ENDINGS), inputs=[robot])
     swept = hj.sweep_joint(
         hj.load_robot(robot),
         numbers(position),

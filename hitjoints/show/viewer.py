@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import io
+import signal
 import socket
 import threading
 import time
-from contextlib import redirect_stdout, suppress
+from contextlib import redirect_stdout
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,7 @@ import pinocchio as pin
 from hitjoints.dynamics.inertia import inertia_along, inverse_inertia
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import HitjointsError, InfeasibleError, InputError, MissingExtraError
-from hitjoints.hitting.flux_hit import Hit
+from hitjoints.hit import Hit
 from hitjoints.model.robot import Contact
 from hitjoints.planning.planner import plan
 from hitjoints.quantities import hitting_speed
@@ -24,6 +25,7 @@ from hitjoints.rollouts.follow import rollout
 from hitjoints.rollouts.prepare import placed
 from hitjoints.show.drawn_arm import ARROW, BOX, INERTIA, LINK, inertia_surface, rgb
 from hitjoints.show.figures import colour_of
+from hitjoints.show.origin import own_pages_only
 from hitjoints.show.solids import solids
 
 if TYPE_CHECKING:
@@ -40,6 +42,7 @@ FRAMES = 30.0  # per s
 SLOWER = 10  # a hit takes a tenth of a second: it is played so many times slower
 STEP = 0.001  # rad, of the sliders
 EDGE, POINT = 0.1, 0.018  # m, of the object drawn, and radius of the contact
+ENDS = (signal.SIGINT, signal.SIGTERM)
 GLASS = 0.7  # opacity of the links: a joint's origin lies inside its link
 
 
@@ -96,16 +99,20 @@ class Viewer:
         except ImportError:
             raise MissingExtraError("viser", "view") from None
         self.robot, self.q = robot, q
-        self._offset = robot.contact(hit.contact).offset
+        self._offset = robot.contact(hit.chosen_contact).offset
         self._lock, self._moving = threading.RLock(), False
         shapes = solids(robot)
         self._carriers = [(one.joint, one.placement) for one in shapes]
-        with _silence():
+        with _silence(), own_pages_only(host):
             self._server = viser.ViserServer(host, port, verbose=False)
         self.url = f"http://{host}:{self._server.get_port()}"
-        self._build_scene(shapes)
-        self._build_panel(hit)
-        self.move(q)
+        try:
+            self._build_scene(shapes)
+            self._build_panel(hit)
+            self.move(q)
+        except BaseException:
+            self.stop()
+            raise
 
     def move(self, q: ArrayLike) -> None:
         """Show another configuration.
@@ -128,10 +135,24 @@ class Viewer:
         """Return a page that shows what is shown now, without a server and the panel."""
         return str(self._server.scene.as_html())
 
-    def serve(self) -> None:
-        """Serve until interrupted, as by Ctrl-C."""
-        with suppress(KeyboardInterrupt):
-            self._server.sleep_forever()
+    def serve(self, ready: Callable[[str], None] | None = None) -> None:
+        """Serve until a signal asks to end: SIGINT, as by Ctrl-C, or SIGTERM.
+
+        A shell starts what runs in the background with SIGINT ignored; here it counts even then.
+
+        Args:
+            ready: called with the URL when signals are waited for.
+        """
+        over = threading.Event()
+        main = threading.current_thread() is threading.main_thread()
+        before = {one: signal.signal(one, lambda *_: over.set()) for one in ENDS if main}
+        try:
+            if ready is not None:
+                ready(self.url)
+            over.wait()
+        finally:
+            for one, handler in before.items():
+                signal.signal(one, handler)
 
     def stop(self) -> None:
         """Stop serving."""
@@ -157,12 +178,12 @@ class Viewer:
         self._numbers = gui.add_markdown("")
         with gui.add_folder("Hit"):
             joints = [str(k) for k in range(1, robot.n + 1)]
-            number = str(robot.contact(hit.contact).joint)
+            number = str(robot.contact(hit.chosen_contact).joint)
             self._joint = gui.add_dropdown("joint", joints, initial_value=number)
             self._at = gui.add_vector3("object (m)", tuple(hit.position), step=0.01)
             self._along = gui.add_vector3("direction", tuple(hit.direction), step=0.05)
-            self._mass = gui.add_number("mass (kg)", float(hit.mass), min=0.01, step=0.1)
-            self._flux = gui.add_number("flux (m/s)", float(hit.flux), min=0.01, step=0.01)
+            self._mass = gui.add_number("mass (kg)", float(hit.mass), step=0.1)
+            self._flux = gui.add_number("flux (m/s)", float(hit.desired_flux), step=0.01)
             works = {
                 "place the joint at the object": self._place,
                 "plan for inertia": self._plan,
@@ -208,11 +229,11 @@ class Viewer:
 
     def _place(self) -> None:
         hit = self._hit()
-        self.move(placed(self.robot, self.robot.contact(hit.contact), hit.position, self.q))
+        self.move(placed(self.robot, self.robot.contact(hit.chosen_contact), hit.position, self.q))
 
     def _plan(self) -> None:
         hit = self._hit()
-        found = plan(self.robot, hit.position, hit.direction, hit.mass, [hit.contact])
+        found = plan(self.robot, hit.position, hit.direction, hit.mass, [hit.chosen_contact])
         if found.best is None or found.best.q is None:
             raise InfeasibleError(found.candidates[0].reason)
         self.move(found.best.q)
@@ -247,7 +268,7 @@ class Viewer:
 
     def _draw_hit(self, hit: Hit) -> str:
         """Draw contact, direction, object and inertia; say in Markdown what the inertia's is."""
-        scene, contact = self._server.scene, self.robot.contact(hit.contact)
+        scene, contact = self._server.scene, self.robot.contact(hit.chosen_contact)
         here, h = position(self.robot, self.q, contact), hit.direction
         colour = rgb(colour_of(contact.joint))
         scene.add_icosphere("/contact", POINT, colour, position=here)
@@ -290,7 +311,7 @@ def _silence() -> redirect_stdout[io.StringIO]:
 
 def _numbers(robot: Robot, q: Array, hit: Hit) -> str:
     """Return the quantities of a hit from q, as a table in Markdown."""
-    contact, h = robot.contact(hit.contact), hit.direction
+    contact, h = robot.contact(hit.chosen_contact), hit.direction
     here = position(robot, q, contact)
     rows = [("contact", ", ".join(f"{v:.3f}" for v in here), "m")]
     rows.append(("from the object", f"{np.linalg.norm(hit.position - here):.3f}", "m"))
