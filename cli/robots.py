@@ -64,11 +64,12 @@ def check(
     """Check the inertias and limits of a robot description, and say what a fault does."""
     from hitjoints.errors import ModelError
     from hitjoints.loading import build_robot, describe
-    from hitjoints.modelcheck import Issue, check_arm
+    from hitjoints.modelcheck import Issue, check_arm, check_shapes
 
     try:
         description = describe(robot)
-        issues = check_arm(description.arm, build_robot(description))
+        built = build_robot(description)
+        issues = check_arm(description.arm, built) + check_shapes(built)
     except ModelError as error:
         _print_issues(robot, [Issue("error", "", error.reason, "it cannot be loaded")], as_json)
         raise

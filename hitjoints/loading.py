@@ -15,6 +15,7 @@ import numpy as np
 
 from hitjoints.errors import InputError, ModelError, UnknownNameError
 from hitjoints.modelcheck import check_arm
+from hitjoints.model.shapes import without_shapes
 from hitjoints.robot import Contact, Robot
 from hitjoints.urdf import Arm, read_arm, read_text
 
@@ -125,7 +126,7 @@ def build_robot(description: Description) -> Robot:
 
     arm, facts, name = description.arm, description.facts, description.name
     try:
-        model = pin.buildModelFromXML(arm.xml)
+        model = pin.buildModelFromXML(without_shapes(arm.xml))
     except (ValueError, RuntimeError) as error:
         raise ModelError(name, f"Pinocchio cannot read it ({str(error).splitlines()[0]})") from None
     if tuple(model.names)[1:] != arm.joints or model.nq != model.nv:
@@ -207,8 +208,5 @@ def erd_urdfs() -> dict[str, Path]:
 
 
 def _package_directory(urdf: Path) -> str:
-    """Return the folder that package:// addresses inside a URDF start from."""
-    for parent in urdf.resolve().parents:
-        if parent.name == ERD:
-            return str(parent.parent)
-    return str(urdf.resolve().parent)
+    """Return the folder that a URDF's meshes are looked for from."""
+    return str(urdf.absolute().parent)

@@ -182,3 +182,12 @@ def _check_limits(robot: Robot) -> list[Issue]:
             effect = "the joint cannot move"
             issues.append(Issue("warning", name, "equal lower and upper position limits", effect))
     return issues
+
+
+def check_shapes(robot: Robot) -> list[Issue]:
+    """Check that every collision shape can be read; this reads the meshes too."""
+    effect = "clearance is not known"
+    return [
+        Issue("warning", link, f"a collision shape cannot be read: {reason}", effect)
+        for link, reason in robot.shape_faults
+    ]

@@ -89,7 +89,8 @@ class Robot:
         """Tell whether two robots give the same numbers, such as a robot and its pickled copy."""
         if not isinstance(other, Robot):
             return NotImplemented
-        return (self.name, self.digest, self.flange) == (other.name, other.digest, other.flange)
+        mine, theirs = (self.name, self.digest, self.flange), (other.name, other.digest, other.flange)
+        return mine == theirs and self._meshes == other._meshes
 
     def __hash__(self) -> int:
         """Return a hash that equal robots share."""
@@ -162,27 +163,45 @@ class Robot:
         return model
 
     @cached_property
+    def _collision(self) -> tuple[Any, list[tuple[str, str]]]:
+        from hitjoints.model.shapes import build_shapes, read_shapes
+
+        shapes, faults = read_shapes(self.xml)
+        geometry, more = build_shapes(self.model, shapes, self.package_directory)
+        return geometry, faults + more
+
+    @property
+    def shape_faults(self) -> list[tuple[str, str]]:
+        """The collision shapes that cannot be read: their links and the reasons."""
+        return self._collision[1]
+
+    @property
     def collision_model(self) -> Any:
         """Pinocchio's geometry of the collision shapes.
 
         Raises:
             ModelError: a shape cannot be read, such as a mesh whose file is missing.
         """
-        import pinocchio as pin
-
-        kind, folders = pin.GeometryType.COLLISION, [self.package_directory]
-        try:
-            return pin.buildGeomFromUrdfString(self.model, self.xml, kind, None, folders)
-        except (ValueError, RuntimeError) as error:
-            reason = f"its collision shapes cannot be read ({str(error).splitlines()[0]})"
-            raise ModelError(self.name, reason) from None
+        geometry, faults = self._collision
+        if faults:
+            link, reason = faults[0]
+            more = f", and {len(faults) - 1} more" if len(faults) > 1 else ""
+            raise ModelError(self.name, f"a collision shape of {link} cannot be read: {reason}{more}")
+        return geometry
 
     @cached_property
     def digest(self) -> str:
-        """Hash of everything the quantities depend on: same digest, same numbers."""
+        """Hash of all that kinematics and dynamics depend on: same digest, same numbers."""
         parts = [self.xml.encode()]
         parts += [np.ascontiguousarray(a).tobytes() for a in (self.model.armature, self.lower)]
         return hashlib.sha256(b"\0".join(parts)).hexdigest()[:16]
+
+    @cached_property
+    def _meshes(self) -> str:
+        """Hash of the meshes that clearance depends on, which the description only names."""
+        from hitjoints.model.shapes import mesh_digest
+
+        return mesh_digest(self.xml, self.package_directory)
 
     @property
     def usual_joint(self) -> int:
