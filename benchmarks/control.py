@@ -20,13 +20,13 @@ from benchmarks.contest import Peer, contest, near
 from benchmarks.harness import Figure, Remark, Row, Work
 from benchmarks.peers.control_step import PyBulletStep, Solve
 from benchmarks.peers.osqp import OsqpInPlace, QpSolvers
+from hitjoints.hit import Hit
 from hitjoints.hitting.controller import Controller
-from hitjoints.hitting.hit import Hit
-from hitjoints.hitting.prepare import Preparation, prepare
-from hitjoints.hitting.record import Rollout
-from hitjoints.hitting.rollout import rollout
-from hitjoints.planning.plan import plan
-from hitjoints.robot import Robot
+from hitjoints.model.robot import Robot
+from hitjoints.planning.planner import plan
+from hitjoints.rollouts.follow import rollout
+from hitjoints.rollouts.prepare import Preparation, prepare
+from hitjoints.rollouts.record import Rollout
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

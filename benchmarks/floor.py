@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.harness import seconds
 from hitjoints.kernels import Kernel
-from hitjoints.kernels.llvm_backend import compile_function, host_lanes
+from hitjoints.kernels.tape.llvm_backend import compile_function, host_lanes
 
 SINE_OR_COSINE = 17  # instructions of one series, with its half of the argument reduction
 CHAINS = 12  # independent sums that hide the latency of one fused multiply-add

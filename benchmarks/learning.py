@@ -8,16 +8,16 @@ import numpy as np
 
 import hitjoints as hj
 from benchmarks.harness import Figure, Row, compare, seconds
-from hitjoints.planning.feasibility import Feasibility, learn_feasibility
-from hitjoints.planning.greatest_flux import maximum_flux, random_positions
+from hitjoints.model.robot import Contact
+from hitjoints.planning.learning.feasibility import Feasibility, learn_feasibility
+from hitjoints.planning.learning.greatest_flux import maximum_flux, random_positions
 from hitjoints.quantities import kernel_for
-from hitjoints.robot import Contact
 from hitjoints.vectors import unit
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.robot import Robot
+    from hitjoints.model.robot import Robot
 
     Array = NDArray[np.float64]
 

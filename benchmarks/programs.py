@@ -13,10 +13,10 @@ from benchmarks.contest import Check, Peer, contest, near
 from benchmarks.harness import Remark, Row, Work
 from benchmarks.peers import osqp, programs
 from hitjoints.kernels import build_kernel
+from hitjoints.programs.hitting_speed import build_hitting_speed
+from hitjoints.programs.joint_velocity import build_joint_velocity
 from hitjoints.programs.problem import Program
 from hitjoints.programs.proxqp import solve
-from hitjoints.programs.speed import build_hitting_speed
-from hitjoints.programs.velocity import build_joint_velocity
 from hitjoints.programs.warm import WarmProgram
 
 if TYPE_CHECKING:

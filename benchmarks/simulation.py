@@ -12,8 +12,8 @@ import numpy as np
 import hitjoints as hj
 from benchmarks.control import feasible_hits
 from benchmarks.harness import Figure, seconds
-from hitjoints.evidence.physics.record import Simulation
 from hitjoints.evidence.physics.setting import MODES
+from hitjoints.evidence.physics.simulated_hit import Simulation
 
 ROBOTS = ("iiwa14", "iiwa7", "panda")
 HITS = 12  # of `python -m benchmarks`

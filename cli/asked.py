@@ -11,8 +11,8 @@ import typer
 from .options import DIRECTION, MASS, OBJECT, check_mass, numbers, triple
 
 if TYPE_CHECKING:
-    from hitjoints.hitting.hit import Hit
-    from hitjoints.robot import Robot
+    from hitjoints.hit import Hit
+    from hitjoints.model.robot import Robot
 
 FLUX = 0.3
 
@@ -77,9 +77,9 @@ def read_asked(
         InputError: a value cannot be used, or an option contradicts the plan.
         InfeasibleError: the plan says that no joint can do it.
     """
-    from hitjoints.hitting.hit import Hit
-    from hitjoints.loading import load_robot
-    from hitjoints.robot import Contact
+    from hitjoints.hit import Hit
+    from hitjoints.loading.load import load_robot
+    from hitjoints.model.robot import Contact
 
     asked: dict[str, Any] = {
         "position": None if position is None else triple(position, "object"),

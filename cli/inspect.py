@@ -25,7 +25,7 @@ from .options import (
 from .render import complain, print_json, print_table
 
 if TYPE_CHECKING:
-    from hitjoints.robot import Contact, Robot
+    from hitjoints.model.robot import Contact, Robot
 
 
 def inspect(
@@ -39,8 +39,8 @@ def inspect(
 ) -> None:
     """Show position, inertia, gradient, speed and flux at one configuration."""
     from hitjoints.errors import InfeasibleError
-    from hitjoints.loading import load_robot
-    from hitjoints.robot import Contact
+    from hitjoints.loading.load import load_robot
+    from hitjoints.model.robot import Contact
 
     check_mass(mass)
     arm = load_robot(robot)

@@ -70,7 +70,7 @@ def check_outputs(plot: Path | None, *outputs: tuple[Path | None, str, tuple[str
     Raises:
         InputError: an ending is not one of those, or a path cannot be written to.
     """
-    from hitjoints.maps.files import check_writable
+    from hitjoints.datasets.files import check_writable
     from hitjoints.show.figures import FIGURE_ENDINGS
 
     for path, argument, endings in (*outputs, (plot, "plot", FIGURE_ENDINGS)):

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from hitjoints.planning.candidates import Candidate
-    from hitjoints.planning.plan import Plan
+    from hitjoints.planning.planner import Plan
     from hitjoints.planning.start import Start
     from hitjoints.planning.torque_cost import TorqueCost
 
@@ -80,10 +80,10 @@ def plan(
     as_json: JsonOption = False,
 ) -> None:
     """Choose the joint to hit with and its configuration, with evidence (Eq. 8, 14)."""
-    from hitjoints.loading import load_robot
-    from hitjoints.maps.files import write_whole
-    from hitjoints.planning.plan import plan as make_plan
-    from hitjoints.planning.surroundings import Surroundings
+    from hitjoints.datasets.files import write_whole
+    from hitjoints.loading.load import load_robot
+    from hitjoints.planning.planner import plan as make_plan
+    from hitjoints.planning.room.surroundings import Surroundings
 
     check_mass(mass)
     check_outputs(plot, (out, "out", (".json",)))
@@ -111,7 +111,7 @@ def plan(
         write_whole(out, "out", lambda path: path.write_text(text, encoding="utf-8"))
     if plot is not None and planned.best is not None:
         from hitjoints.show.figures import save_figure
-        from hitjoints.show.plan import draw_plan
+        from hitjoints.show.plan_figure import draw_plan
 
         save_figure(draw_plan(arm, planned, around.object_size), plot)
     if as_json:

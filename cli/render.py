@@ -49,7 +49,8 @@ def print_table(
         table.add_column(column, justify="left" if i == 0 else "right")
     for row in rows:
         table.add_row(*(_cell(value) for value in row))
-    console = Console()
+    # Names are what a file says, brackets and all.
+    console = Console(markup=False, emoji=False)
     if not console.is_terminal:
         console.width = FILE_WIDTH
     console.print(table)

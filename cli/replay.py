@@ -15,8 +15,8 @@ from .options import JsonOption, OutOption, PlotOption, check_mass, check_output
 from .render import complain, print_json, print_table
 
 if TYPE_CHECKING:
-    from hitjoints.evidence.recordings.hit import ReplayedHit
-    from hitjoints.evidence.recordings.replay import Replay
+    from hitjoints.evidence.recordings.replayed_hit import ReplayedHit
+    from hitjoints.evidence.recordings.replayer import Replay
 
 SHOWN = 40  # rows of the table
 QUIET = 10.0  # s between two lines of progress that go to a file
@@ -68,8 +68,8 @@ def replay(
     Each robot's file has the object's, object_M_hit_N.csv, beside it. A file that cannot be used
     is reported with its reason, and the rest goes on.
     """
-    from hitjoints.evidence.recordings.replay import replay as compare
-    from hitjoints.maps.files import DATASET_ENDINGS, write_dataset
+    from hitjoints.datasets.files import DATASET_ENDINGS, write_dataset
+    from hitjoints.evidence.recordings.replayer import replay as compare
 
     if mass is not None:
         check_mass(mass)
@@ -91,7 +91,7 @@ def replay(
         write_dataset(hits_dataset(result.hits, along=out.suffix != ".csv"), out)
     if plot is not None:
         from hitjoints.show.figures import save_figure
-        from hitjoints.show.replay import draw_replay
+        from hitjoints.show.replay_figure import draw_replay
 
         save_figure(draw_replay(result), plot)
     if as_json:
@@ -131,7 +131,7 @@ def _progress() -> Iterator[Callable[[int, int], None]]:
 
 
 def _print(result: Replay) -> None:
-    from hitjoints.evidence.recordings.replay import REMARKS
+    from hitjoints.evidence.recordings.replayer import REMARKS
 
     names = (
         "file", "robot", "mass", "inertia", "(theirs)", "speed", "flux", "(theirs)",

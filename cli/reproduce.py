@@ -13,7 +13,7 @@ from .options import JsonOption
 from .render import complain, print_json, print_table
 
 if TYPE_CHECKING:
-    from hitjoints.evidence.paper.reproduce import Reproduction
+    from hitjoints.evidence.paper.reproduction import Reproduction
 
 
 def reproduce(
@@ -34,8 +34,8 @@ def reproduce(
     On the iiwa 14 with PyBullet's inertia tensors, which are the paper's, with the URDF's, and with
     the phantom inertia of a common description of the arm.
     """
-    from hitjoints.evidence.paper.reproduce import CHOICES
-    from hitjoints.evidence.paper.reproduce import reproduce as repeat
+    from hitjoints.evidence.paper.reproduction import CHOICES
+    from hitjoints.evidence.paper.reproduction import reproduce as repeat
 
     if figure not in CHOICES:
         raise typer.BadParameter(f"{figure!r} is not one of {', '.join(CHOICES)}")
@@ -69,10 +69,10 @@ def _make_folder(out: Path) -> None:
 
 
 def _write(result: Reproduction, out: Path) -> list[Path]:
+    from hitjoints.datasets.files import write_whole
     from hitjoints.evidence.paper.table import as_csv, as_markdown
-    from hitjoints.maps.files import write_whole
     from hitjoints.show.figures import save_figure
-    from hitjoints.show.paper import draw_reproduction
+    from hitjoints.show.paper_figures import draw_reproduction
 
     written = []
     for name, figure in draw_reproduction(result).items():

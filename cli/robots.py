@@ -10,7 +10,7 @@ from .options import ROBOT, JsonOption
 from .render import complain, print_json, print_table
 
 if TYPE_CHECKING:
-    from hitjoints.modelcheck import Issue
+    from hitjoints.loading.check import Issue
 
 app = typer.Typer(help="List the robots, or check one.", no_args_is_help=False)
 
@@ -25,7 +25,7 @@ def root(context: typer.Context) -> None:
 @app.command("list")
 def list_robots(as_json: JsonOption = False) -> None:
     """List the built-in robots."""
-    from hitjoints.loading import load_robot, robot_names
+    from hitjoints.loading.load import load_robot, robot_names
 
     rows = []
     for name in robot_names():
@@ -63,8 +63,8 @@ def check(
 ) -> None:
     """Check the inertias and limits of a robot description, and say what a fault does."""
     from hitjoints.errors import ModelError
-    from hitjoints.loading import build_robot, describe
-    from hitjoints.modelcheck import Issue, check_arm, check_shapes
+    from hitjoints.loading.check import Issue, check_arm, check_shapes
+    from hitjoints.loading.load import build_robot, describe
 
     try:
         description = describe(robot)

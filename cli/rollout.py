@@ -34,7 +34,7 @@ from .options import (
 from .render import complain, print_json, print_table
 
 if TYPE_CHECKING:
-    from hitjoints.hitting.record import Rollout
+    from hitjoints.rollouts.record import Rollout
 
 
 def rollout(
@@ -71,8 +71,8 @@ def rollout(
 
     Without --plan, --q0 or --start it plans the configuration, the start and the run-up first.
     """
-    from hitjoints.hitting.rollout import rollout as roll
-    from hitjoints.maps.files import DATASET_ENDINGS
+    from hitjoints.datasets.files import DATASET_ENDINGS
+    from hitjoints.rollouts.follow import rollout as roll
 
     check_outputs(plot, (out, "out", DATASET_ENDINGS))
     arm, hit, starts = read_asked(
@@ -111,14 +111,14 @@ def rollout(
 
 def _write(result: Rollout, out: Path | None, plot: Path | None) -> None:
     if out is not None:
-        from hitjoints.hitting.record import flattened
-        from hitjoints.maps.files import write_dataset
+        from hitjoints.datasets.files import write_dataset
+        from hitjoints.rollouts.record import flattened
 
         dataset = result.dataset
         write_dataset(flattened(dataset) if out.suffix == ".csv" else dataset, out)
     if plot is not None:
         from hitjoints.show.figures import save_figure
-        from hitjoints.show.rollout import draw_rollout
+        from hitjoints.show.rollout_figure import draw_rollout
 
         save_figure(draw_rollout(result), plot)
 

@@ -35,7 +35,7 @@ from .options import (
 from .render import complain, print_json, print_table
 
 if TYPE_CHECKING:
-    from hitjoints.evidence.physics.record import Cause, Simulation
+    from hitjoints.evidence.physics.simulated_hit import Cause, Simulation
 
 SHOWN = {
     "servo": "{:g} N m s/rad",
@@ -109,8 +109,8 @@ def simulate(
     The arm follows a rollout up to the impact and hits a box, which slides on a table until it
     stops. An ideal hit must agree; a realistic one shows how far the model is off, and why.
     """
+    from hitjoints.datasets.files import DATASET_ENDINGS
     from hitjoints.evidence.physics.simulation import simulate as run
-    from hitjoints.maps.files import DATASET_ENDINGS
     from hitjoints.show.animation import ANIMATION_ENDINGS
 
     check_outputs(plot, (out, "out", DATASET_ENDINGS), (animate, "animate", ANIMATION_ENDINGS))
@@ -145,8 +145,8 @@ def simulate(
 
 def _write(result: Simulation, out: Path | None, plot: Path | None, animate: Path | None) -> None:
     if out is not None:
-        from hitjoints.hitting.record import flattened
-        from hitjoints.maps.files import write_dataset
+        from hitjoints.datasets.files import write_dataset
+        from hitjoints.rollouts.record import flattened
 
         dataset = result.dataset
         if out.suffix == ".csv":  # a table has one time: that of the contact
@@ -154,7 +154,7 @@ def _write(result: Simulation, out: Path | None, plot: Path | None, animate: Pat
         write_dataset(dataset, out)
     if plot is not None:
         from hitjoints.show.figures import save_figure
-        from hitjoints.show.simulation import draw_simulation
+        from hitjoints.show.simulation_figure import draw_simulation
 
         save_figure(draw_simulation(result), plot)
     if animate is not None:

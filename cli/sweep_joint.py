@@ -48,7 +48,7 @@ def sweep_joint(
 ) -> None:
     """Turn each hitting joint at the object: inertia, speed and flux by its angle (Fig. 2)."""
     import hitjoints as hj
-    from hitjoints.maps.files import DATASET_ENDINGS, write_dataset
+    from hitjoints.datasets.files import DATASET_ENDINGS, write_dataset
 
     check_mass(mass)
     check_outputs(plot, (out, "out", DATASET_ENDINGS))
@@ -66,7 +66,7 @@ def sweep_joint(
         write_dataset(swept, out)
     if plot is not None:
         from hitjoints.show.figures import save_figure
-        from hitjoints.show.joint_sweep import draw_joint_sweep
+        from hitjoints.show.joint_sweep_figure import draw_joint_sweep
 
         save_figure(draw_joint_sweep(swept), plot)
     if as_json:

@@ -75,7 +75,7 @@ def sweep_workspace(
 ) -> None:
     """Map inertia, speed and flux over a grid of object positions."""
     import hitjoints as hj
-    from hitjoints.maps.files import write_dataset
+    from hitjoints.datasets.files import write_dataset
 
     check_mass(mass)
     check_outputs(plot, (out, "out", (".zarr",)), (netcdf, "nc", (".nc",)), (csv, "csv", (".csv",)))
@@ -103,7 +103,7 @@ def sweep_workspace(
             write_dataset(swept, path, argument)
     if plot is not None:
         from hitjoints.show.figures import save_figure
-        from hitjoints.show.workspace import draw_workspace
+        from hitjoints.show.workspace_figure import draw_workspace
 
         save_figure(draw_workspace(arm, swept), plot)
     rows = _summary(swept)

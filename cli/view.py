@@ -50,9 +50,9 @@ def view(
     as_json: JsonOption = False,
 ) -> None:
     """Show the arm in the browser: sliders, inertia at the contact, plans and hits."""
-    from hitjoints.loading import load_robot
-    from hitjoints.maps.files import write_whole
-    from hitjoints.robot import Contact
+    from hitjoints.datasets.files import write_whole
+    from hitjoints.loading.load import load_robot
+    from hitjoints.model.robot import Contact
     from hitjoints.show.viewer import view as show
 
     check_mass(mass)

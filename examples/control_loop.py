@@ -6,9 +6,9 @@ Replace `Joints` by what talks to your robot: it reports joint positions and tak
 import numpy as np
 
 import hitjoints as hj
+from hitjoints.hit import Hit
 from hitjoints.hitting.controller import Controller
-from hitjoints.hitting.hit import Hit
-from hitjoints.hitting.prepare import prepare
+from hitjoints.rollouts.prepare import prepare
 
 PERIOD = 0.002  # s, 500 Hz
 

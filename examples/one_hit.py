@@ -3,8 +3,8 @@
 import numpy as np
 
 import hitjoints as hj
-from hitjoints.hitting.hit import Hit
-from hitjoints.hitting.rollout import rollout
+from hitjoints.hit import Hit
+from hitjoints.rollouts.follow import rollout
 
 robot = hj.load_robot("iiwa14")
 hit = Hit(6, np.array([0.5, 0.3, 0.5]), np.array([0.0, 1.0, 0.0]), mass=2.0, flux=0.3)

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 import hitjoints as hj
-from hitjoints.hitting.hit import Hit
-from hitjoints.hitting.rollout import rollout
+from hitjoints.hit import Hit
+from hitjoints.rollouts.follow import rollout
 
 LINK = """
   <link name="link_{i}"><inertial><origin xyz="0.15 0 0"/><mass value="1.5"/>

@@ -2,11 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+SHOWN = 200  # characters of a value in a message
+
+
+def shown(value: object, text_of: Callable[[object], str] = str) -> str:
+    """Return a value's text as a message can hold it: one line, cut in the middle when long."""
+    try:
+        text = " ".join(text_of(value).split())
+    except Exception:  # whatever cannot be written must still be refused in a line
+        text = f"a {type(value).__name__}"
+    if len(text) <= SHOWN:
+        return text
+    return f"{text[: SHOWN // 2]} ... {text[-SHOWN // 4 :]} ({len(text)} characters)"
 
 
 class HitjointsError(Exception):
     """Root of every error the package raises on purpose; its text is one line."""
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        """Pickle the text and the data, not the constructor's arguments: workers hand it back."""
+        return _restored, (type(self), self.args, self.__dict__)
+
+
+def _restored(
+    kind: type[HitjointsError], texts: tuple[Any, ...], data: dict[str, Any]
+) -> HitjointsError:
+    error = kind.__new__(kind, *texts)
+    error.__dict__.update(data)
+    return error
 
 
 class InputError(HitjointsError, ValueError):
@@ -20,7 +46,7 @@ class InputError(HitjointsError, ValueError):
 
     def __init__(self, argument: str, value: object, expected: str) -> None:
         self.argument, self.value, self.expected = argument, value, expected
-        super().__init__(f"{argument} = {value}: {expected}")
+        super().__init__(f"{argument} = {shown(value)}: {expected}")
 
 
 class UnknownNameError(InputError):

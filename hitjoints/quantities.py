@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from hitjoints.kernels import Chain, Placement
-    from hitjoints.robot import Contact, Robot
+    from hitjoints.model.robot import Contact, Robot
 
 
 def directional_inertia(
@@ -93,7 +93,7 @@ def hitting_speed(
     if q.ndim == 2:
         return _batch(robot, contact, "straight_speed" if straight else "speed", q, h)
     from hitjoints.dynamics.kinematics import jacobian
-    from hitjoints.programs.speed import box_speed, solve_hitting_speed
+    from hitjoints.programs.hitting_speed import box_speed, solve_hitting_speed
 
     jac = jacobian(robot, q, contact)
     limits = robot.velocity_lower, robot.velocity_upper

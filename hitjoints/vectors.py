@@ -42,15 +42,38 @@ def points(values: ArrayLike, argument: str) -> NDArray[np.float64]:
     Raises:
         InputError: wrong shape or not finite.
     """
-    try:
-        array = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(argument, values, "three numbers x,y,z are needed") from None
+    array = real(values, argument, "three numbers x,y,z are needed")
     if array.shape[-1:] != (3,) or array.ndim not in (1, 2):
         raise InputError(argument, _brief(array), "three numbers x,y,z (or rows of three)")
     if not all_finite(array):
         raise InputError(argument, _brief(array), "every number must be finite")
     return array
+
+
+def real(values: ArrayLike, argument: str, expected: str) -> NDArray[np.float64]:
+    """Return real numbers as an array of floats, the same array when it is one.
+
+    Args:
+        values: numbers in any shape.
+        argument: what to call them when they are refused.
+        expected: what would be right.
+
+    Raises:
+        InputError: they are no real numbers: text, complex, masked, too large, or ragged.
+    """
+    if type(values) is np.ndarray and values.dtype == float:
+        return values
+    # NumPy would drop masks and imaginary parts, and read text as numbers.
+    for part in (values, *(values if isinstance(values, (list, tuple)) else ())):
+        if isinstance(part, np.ma.MaskedArray) and np.ma.is_masked(part):
+            raise InputError(argument, values, f"{expected}, none of them masked")
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind in "biufO":
+            return array.astype(float)
+    except (TypeError, ValueError, OverflowError):
+        pass
+    raise InputError(argument, values, expected) from None
 
 
 def all_finite(array: NDArray[np.float64]) -> bool:

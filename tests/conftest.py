@@ -10,7 +10,7 @@ import pytest
 from hypothesis import settings
 
 from hitjoints.cli import main
-from hitjoints.loading import load_robot
+from hitjoints.loading.load import load_robot
 
 LIMIT = '<limit lower="-1" upper="1" velocity="2" effort="3"/>'
 # The same examples on every run; no deadline, machines are shared.
@@ -126,6 +126,6 @@ def run(capsys):
 @pytest.fixture(scope="session")
 def reproduction():
     """Return the paper's experiments, run once, with a small study of the spread."""
-    from hitjoints.evidence.paper.reproduce import reproduce
+    from hitjoints.evidence.paper.reproduction import reproduce
 
     return reproduce(setups=1500)

@@ -18,7 +18,7 @@ from hitjoints.tolerances import MOBILITY_FLOOR
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.robot import Contact, Robot
+    from hitjoints.model.robot import Contact, Robot
 
 
 def inverse_inertia(robot: Robot, q: ArrayLike, contact: Contact | int) -> NDArray[np.float64]:

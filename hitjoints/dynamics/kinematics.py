@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pinocchio as pin
 
-from hitjoints.tolerances import RANK_TOLERANCE
+from hitjoints.tolerances import RANK, rank_floor
 from hitjoints.vectors import unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.robot import Contact, Robot
+    from hitjoints.model.robot import Contact, Robot
 
 WORLD_ALIGNED = pin.LOCAL_WORLD_ALIGNED
 
@@ -90,9 +90,9 @@ class FeasibleDirections:
         return ("none", "a line", "a plane", "all")[self.rank]
 
     def contain(self, direction: ArrayLike) -> bool:
-        """Tell whether `direction` (3,) lies in the range."""
+        """Tell whether `direction` (3,) lies in the range, to within an angle of `RANK`."""
         h = unit(direction)
-        return bool(np.linalg.norm(h - self.basis @ (self.basis.T @ h)) < 1e-6)
+        return bool(np.linalg.norm(h - self.basis @ (self.basis.T @ h)) < RANK)
 
 
 def feasible_directions(robot: Robot, q: ArrayLike, contact: Contact | int) -> FeasibleDirections:
@@ -102,7 +102,7 @@ def feasible_directions(robot: Robot, q: ArrayLike, contact: Contact | int) -> F
     """
     jac = jacobian(robot, q, contact)
     left, singular, _ = np.linalg.svd(jac, full_matrices=False)
-    rank = int((singular > RANK_TOLERANCE).sum())
+    rank = int((singular > rank_floor(jac)).sum())
     basis = left[:, :rank]
     pull = jac.T @ basis
     lower, upper = robot.velocity_lower[:, None], robot.velocity_upper[:, None]

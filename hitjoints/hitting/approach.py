@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,6 @@ from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InfeasibleError
 from hitjoints.hitting.controller import Controller, Step
-from hitjoints.hitting.record import Impact
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,6 +32,30 @@ GRACE = 1.0
 """s more, for what a start beside the line takes."""
 AT_LIMIT = 1e-6
 """rad, a joint this near to its limit stands at it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Impact:
+    """The state in which the contact crosses the plane through the object.
+
+    Attributes:
+        time: s. position: (3,) m. miss: m, from there to the object.
+        direction_error: deg, between the contact's velocity and the hitting direction.
+        inertia, desired_inertia: kg. speed: m/s along the direction. flux: m/s.
+        q: (n,) rad.
+        saturated: the desired flux was out of reach, or the limits slowed the arm down.
+    """
+
+    time: float
+    position: Array
+    miss: float
+    direction_error: float
+    inertia: float
+    desired_inertia: float
+    speed: float
+    flux: float
+    q: Array
+    saturated: bool
 
 
 class Approach:

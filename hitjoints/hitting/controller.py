@@ -16,18 +16,19 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import numpy as np
 
 from hitjoints.errors import InputError, UnknownNameError
+from hitjoints.hit import Hit, State, observe
 from hitjoints.hitting.desired import DesiredInertia, Weighting
 from hitjoints.hitting.field import RATE, SIGMA, HittingField
-from hitjoints.hitting.hit import Hit, State, observe
 from hitjoints.hitting.laws import LawName, Motion, law_named
-from hitjoints.hitting.posture import most_manipulable
-from hitjoints.hitting.torques import TorqueLimits
-from hitjoints.programs.velocity import reachable_speed
+from hitjoints.hitting.manipulability_posture import most_manipulable
+from hitjoints.hitting.torque_limits import TorqueLimits
+from hitjoints.programs.joint_velocity import reachable_speed
+from hitjoints.vectors import real
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.robot import Robot
+    from hitjoints.model.robot import Robot
 
     Array = NDArray[np.float64]
 
@@ -193,7 +194,7 @@ class Controller:
             InfeasibleError: the contact cannot move along the direction in this configuration, or
                 the torque limits leave no motion.
         """
-        q = np.asarray(q, dtype=float)
+        q = real(q, "q", f"{self._shape[0]} joint positions in rad")
         if q.shape != self._shape or not ((q >= self._low) & (q <= self._high)).all():
             q = self._touching(q)
         state = observe(self.robot, q, self.contact, self.direction)
@@ -250,7 +251,7 @@ class Controller:
         return self.torques is None or self.torques.can_stop(self.follow(q, qd), qd)
 
     def _velocity(self, qd: ArrayLike) -> Array:
-        array = np.asarray(qd, dtype=float)
+        array = real(qd, "qd", f"{self._shape[0]} finite joint velocities")
         if array.shape != self._shape or not np.isfinite(array).all():
             raise InputError("qd", array.tolist(), f"{self._shape[0]} finite joint velocities")
         return array

@@ -8,8 +8,7 @@ import numpy as np
 
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.errors import InfeasibleError, UnknownNameError
-from hitjoints.programs.torques import Impulses, with_impulses
-from hitjoints.programs.velocity import (
+from hitjoints.programs.joint_velocity import (
     RHO,
     WITHIN_REACH,
     flux_terms,
@@ -17,13 +16,14 @@ from hitjoints.programs.velocity import (
     most_flux_terms,
     unbounded_flux,
 )
+from hitjoints.programs.torque_rows import Impulses, with_impulses
 from hitjoints.programs.warm import WarmProgram
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.hitting.hit import State
-    from hitjoints.robot import Contact, Robot
+    from hitjoints.hit import State
+    from hitjoints.model.robot import Contact, Robot
 
     Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from hitjoints.errors import InfeasibleError, InputError
-from hitjoints.vectors import points
+from hitjoints.vectors import points, real
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -211,10 +211,7 @@ def _positive(name: str, value: Any) -> float:
 
 
 def _negative_definite(A: ArrayLike) -> Vector:
-    try:
-        matrix = np.asarray(A, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError("A", A, "a 3 x 3 matrix") from None
+    matrix = real(A, "A", "a 3 x 3 matrix")
     if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
         raise InputError("A", matrix.tolist(), "a 3 x 3 matrix of finite numbers")
     if np.abs(matrix - matrix.T).max() > 1e-12 * np.abs(matrix).max():

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol
 import numpy as np
 
 from hitjoints.errors import UnknownNameError
-from hitjoints.programs.torques import Impulses, with_impulses, with_slack
-from hitjoints.programs.velocity import PROGRESS, following_terms, least_norm
+from hitjoints.programs.joint_velocity import PROGRESS, following_terms, least_norm
+from hitjoints.programs.torque_rows import Impulses, with_impulses, with_slack
 from hitjoints.programs.warm import ROWS, WarmProgram
 
 if TYPE_CHECKING:

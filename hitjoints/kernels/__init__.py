@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from hitjoints.kernels.bounds import Bounds, bisect, build_bounds
-from hitjoints.kernels.chain import Chain
+from hitjoints.kernels.formulas.chain import Chain
 from hitjoints.kernels.ik import Placement, place
-from hitjoints.kernels.interval_backend import Interval
 from hitjoints.kernels.kernel import Kernel, build_kernel
+from hitjoints.kernels.tape.interval_backend import Interval
 
 __all__ = [
     "Bounds",

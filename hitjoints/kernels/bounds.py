@@ -8,11 +8,11 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.errors import InputError, UnknownNameError
-from hitjoints.kernels import interval_backend as ia
-from hitjoints.kernels.chain import Chain
-from hitjoints.kernels.formulas import OUTPUT_SHAPES, Attachment, record, record_variation
-from hitjoints.kernels.interval_backend import Array, Interval, IntervalProgram
+from hitjoints.kernels.formulas.chain import Chain
+from hitjoints.kernels.formulas.outputs import OUTPUT_SHAPES, Attachment, record, record_variation
 from hitjoints.kernels.kernel import Kernel, build_kernel
+from hitjoints.kernels.tape import interval_backend as ia
+from hitjoints.kernels.tape.interval_backend import Array, Interval, IntervalProgram
 from hitjoints.tolerances import MOBILITY_FLOOR
 
 

@@ -8,15 +8,15 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from hitjoints.kernels.arm import Arm, cross, dot, minus
-from hitjoints.kernels.backends import Array, choose, evaluate
-from hitjoints.kernels.chain import Chain
-from hitjoints.kernels.formulas import Attachment
-from hitjoints.kernels.numpy_backend import NumpyProgram
-from hitjoints.kernels.trace import (
+from hitjoints.kernels.formulas.chain import Chain
+from hitjoints.kernels.formulas.links import TracedArm, cross, dot, minus
+from hitjoints.kernels.formulas.outputs import Attachment
+from hitjoints.kernels.tape.backends import Array, choose, evaluate
+from hitjoints.kernels.tape.numpy_backend import NumpyProgram
+from hitjoints.kernels.tape.trace import (
     Number,
-    Program,
     Scalar,
+    Tape,
     Tracer,
     Vector,
     maximum,
@@ -29,7 +29,7 @@ DAMPING = 0.1  # times the squared error: large steps far away, Newton's near th
 LEAST_DAMPING = 1e-12  # keeps a straight arm solvable
 
 
-def record_step(chain: Chain, contact: Attachment) -> Program:
+def record_step(chain: Chain, contact: Attachment) -> Tape:
     """Record one projected Levenberg-Marquardt step.
 
     Inputs: q (n) and the target (3, world). Outputs: the next q (n), the squared error at q (m^2),
@@ -40,7 +40,7 @@ def record_step(chain: Chain, contact: Attachment) -> Program:
     n = chain.size
     tracer = Tracer(n + 3)
     q = list(tracer.inputs[:n])
-    arm = Arm(chain, tuple(q))
+    arm = TracedArm(chain, tuple(q))
     last, point = contact
     reaches = arm.reaches(last - 1, point)
     target = minus(
@@ -111,7 +111,7 @@ class NumpyIteration:
         program: one step.
     """
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: Tape) -> None:
         self.step = NumpyProgram(program)
 
     def __call__(
@@ -139,8 +139,8 @@ class LlvmIteration:
         program: one step.
     """
 
-    def __init__(self, program: Program) -> None:
-        from hitjoints.kernels.llvm_backend import LlvmProgram
+    def __init__(self, program: Tape) -> None:
+        from hitjoints.kernels.tape.llvm_backend import LlvmProgram
 
         self.joints = program.inputs - 3
         self.run = LlvmProgram(program, program.inputs, states=self.joints)
@@ -155,6 +155,6 @@ class LlvmIteration:
         return out[:-1], out[-1]
 
 
-def iteration(program: Program, backend: str | None) -> Iteration:
+def iteration(program: Tape, backend: str | None) -> Iteration:
     """Make the step ready on a back end, see `choose`."""
     return LlvmIteration(program) if choose(backend) == "llvm" else NumpyIteration(program)

@@ -8,9 +8,9 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.errors import InputError, UnknownNameError
-from hitjoints.kernels.backends import Array, Runnable, evaluate, prepare
-from hitjoints.kernels.chain import Chain, Triple
-from hitjoints.kernels.formulas import OUTPUT_SHAPES, record
+from hitjoints.kernels.formulas.chain import Chain, Triple
+from hitjoints.kernels.formulas.outputs import OUTPUT_SHAPES, record
+from hitjoints.kernels.tape.backends import Array, Runnable, evaluate, prepare
 from hitjoints.kernels.verify import check, samples
 
 NEEDS_MASS = frozenset({"flux", "straight_flux"})

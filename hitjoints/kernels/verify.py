@@ -11,8 +11,8 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.errors import KernelMismatchError
-from hitjoints.kernels.chain import Triple, velocity_limits
-from hitjoints.kernels.speeds import PARALLEL
+from hitjoints.kernels.formulas.chain import Triple, velocity_limits
+from hitjoints.kernels.formulas.speeds import PARALLEL
 
 SAMPLES = 24
 TOLERANCES = {
@@ -47,7 +47,7 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True)
-class Reference:
+class PinocchioAnswers:
     """Pinocchio's answers for one contact at one configuration, named as the outputs."""
 
     position: Array
@@ -59,7 +59,7 @@ class Reference:
     @classmethod
     def at(
         cls, model: pin.Model, data: pin.Data, q: Array, contact: tuple[int, Triple], h: Array
-    ) -> Reference:
+    ) -> PinocchioAnswers:
         """Evaluate at q (n,) for the unit direction h (3,)."""
         joint, offset = contact[0], np.array(contact[1])
         pin.crba(model, data, q)
@@ -115,7 +115,7 @@ def check(
     low, high = velocity_limits(model)
     for k, contact in enumerate(contacts):
         for i, (q, h, mass) in enumerate(zip(*inputs, strict=True)):
-            reference = Reference.at(model, data, q, contact, h)
+            reference = PinocchioAnswers.at(model, data, q, contact, h)
             moves = reference.mobility > NEARLY_STUCK
             expected = _expected(reference, h, float(mass), low, high)
             if STRAIGHT.intersection(results) and i < STRAIGHT_SAMPLES:
@@ -130,7 +130,7 @@ def check(
 
 
 def _expected(
-    reference: Reference, h: Array, mass: float, low: Array, high: Array
+    reference: PinocchioAnswers, h: Array, mass: float, low: Array, high: Array
 ) -> dict[str, Any]:
     g = reference.jacobian.T @ h
     mobility = max(reference.mobility, NEARLY_STUCK)

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hitjoints.model.robot import Contact
 from hitjoints.quantities import kernel_for, place_joint
-from hitjoints.robot import Contact
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hitjoints.kernels import Placement
-    from hitjoints.robot import Robot
+    from hitjoints.model.robot import Robot
 
     Array = NDArray[np.float64]
 

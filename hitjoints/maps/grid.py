@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.errors import InputError
+from hitjoints.vectors import real
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -79,7 +80,7 @@ def make_grid(x: ArrayLike, y: ArrayLike, z: ArrayLike, per_block: int) -> Grid:
 
 
 def _axis(name: str, values: ArrayLike) -> NDArray[np.float64]:
-    axis = np.atleast_1d(np.asarray(values, dtype=float))
+    axis = np.atleast_1d(real(values, name, "ascending finite coordinates"))
     if axis.ndim != 1 or not axis.size or not np.isfinite(axis).all() or (np.diff(axis) <= 0).any():
         raise InputError(name, np.array2string(axis, threshold=6), "ascending finite coordinates")
     return axis

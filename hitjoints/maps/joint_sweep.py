@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.dynamics.impact import hitting_flux
+from hitjoints.datasets.describe import described
 from hitjoints.errors import InfeasibleError, InputError
-from hitjoints.maps.describe import described
+from hitjoints.impact.collision import hitting_flux
+from hitjoints.model.robot import Contact
 from hitjoints.quantities import kernel_for, place_joint
-from hitjoints.robot import Contact
 from hitjoints.vectors import points, unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
     from xarray import Dataset
 
-    from hitjoints.robot import Robot
+    from hitjoints.model.robot import Robot
 
 OUTPUTS = ("inertia", "speed", "straight_speed")
 
@@ -58,9 +58,7 @@ def sweep_joint(
         InputError: an argument cannot be used.
         InfeasibleError: no joint reaches the position.
     """
-    chosen = [robot.contact(k).joint for k in (joints or robot.hitting_joints)]
-    if len(set(chosen)) < len(chosen):
-        raise InputError("joint", chosen, "each joint once")
+    chosen = [contact.joint for contact in robot.contacts(joints)]
     if count < 2:
         raise InputError("count", count, "at least 2 angles")
     target = points(position, "position").reshape(3)

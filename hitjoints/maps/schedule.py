@@ -8,7 +8,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from hitjoints.errors import InputError, MissingExtraError
-from hitjoints.kernels.rows import available_cpus
+from hitjoints.kernels.tape.rows import available_cpus
 from hitjoints.maps.cells import Question, evaluate
 from hitjoints.maps.grid import Grid
 

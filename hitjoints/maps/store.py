@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hitjoints.datasets.describe import UNITS, origin
 from hitjoints.errors import InputError
 from hitjoints.maps.cells import PER_DIRECTION, Question
-from hitjoints.maps.describe import UNITS, origin
 from hitjoints.maps.grid import Grid
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
     from xarray import DataArray, Dataset
 
-    from hitjoints.robot import Contact, Robot
+    from hitjoints.model.robot import Contact, Robot
 
 POSITIONS_PER_BLOCK = 2000  # what a kill can cost, and the finest grain of a cluster's work
 Progress = Callable[[int, int], None]
@@ -80,9 +80,7 @@ def sweep_workspace(
         raise InputError("mass", mass, "an object weighs more than 0 kg")
     if samples < 1:
         raise InputError("samples", samples, "at least 1 configuration per position")
-    contacts = tuple(robot.contact(k) for k in (joints or robot.hitting_joints))
-    if len(set(contacts)) < len(contacts):
-        raise InputError("joint", [c.joint for c in contacts], "each joint once")
+    contacts = robot.contacts(joints)
     h = np.atleast_2d(unit(directions))
     question = Question(robot, contacts, h, float(mass), samples, seed)
     grid = make_grid(x, y, z, POSITIONS_PER_BLOCK)

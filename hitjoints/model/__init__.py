@@ -1,1 +1,1 @@
-"""What a robot is made of: its collision shapes and their meshes."""
+"""What an arm is, and how its description is read."""

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.errors import InfeasibleError
+from hitjoints.hit import Hit
 from hitjoints.hitting.approach import Approach
 from hitjoints.hitting.controller import Controller
-from hitjoints.hitting.hit import Hit
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
+    from hitjoints.model.robot import Contact, Robot
     from hitjoints.planning.start import Start
-    from hitjoints.robot import Contact, Robot
 
     Array = NDArray[np.float64]
 

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.dynamics.impact import hitting_flux
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import SolverError
+from hitjoints.impact.collision import hitting_flux
 from hitjoints.quantities import hitting_speed
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.planning.objectives import Hit
-    from hitjoints.planning.search import Found
+    from hitjoints.planning.objectives.hit_problem import Hit
+    from hitjoints.planning.search.groups import Found
 
     Array = NDArray[np.float64]
 

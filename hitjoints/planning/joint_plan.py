@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hitjoints.planning import infeasible
 from hitjoints.planning.candidates import Candidate, evidence_of, measure
-from hitjoints.planning.certificate import certify
-from hitjoints.planning.objectives import Hit, HitProblem
-from hitjoints.planning.sampler import Sampler
-from hitjoints.planning.search import Found, search
+from hitjoints.planning.objectives.hit_problem import Hit, HitProblem
+from hitjoints.planning.proof import infeasible
+from hitjoints.planning.proof.certificate import certify
+from hitjoints.planning.search.groups import Found, search
+from hitjoints.planning.search.sampler import Sampler
 from hitjoints.quantities import place_joint
 
 if TYPE_CHECKING:

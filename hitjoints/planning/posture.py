@@ -8,19 +8,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.errors import InfeasibleError
-from hitjoints.planning import infeasible
+from hitjoints.model.robot import Contact
 from hitjoints.planning.candidates import evidence_of, measure, plain
-from hitjoints.planning.certificate import certify
-from hitjoints.planning.objectives import Hit, HitProblem
-from hitjoints.planning.sampler import Sampler
-from hitjoints.planning.search import search
-from hitjoints.robot import Contact
+from hitjoints.planning.objectives.hit_problem import Hit, HitProblem
+from hitjoints.planning.proof import infeasible
+from hitjoints.planning.proof.certificate import certify
+from hitjoints.planning.search.groups import search
+from hitjoints.planning.search.sampler import Sampler
 from hitjoints.vectors import unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.robot import Robot
+    from hitjoints.model.robot import Robot
 
 
 @dataclass(frozen=True, eq=False)

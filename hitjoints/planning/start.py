@@ -12,16 +12,16 @@ from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InfeasibleError, InputError, SolverError
 from hitjoints.hitting.field import HittingField
 from hitjoints.planning.acceleration import accelerated
+from hitjoints.programs.hitting_speed import solve_hitting_speed, step_bounds
 from hitjoints.programs.problem import Program
 from hitjoints.programs.proxqp import solve
-from hitjoints.programs.speed import solve_hitting_speed, step_bounds
-from hitjoints.tolerances import RANK_TOLERANCE
+from hitjoints.tolerances import rank_floor
 from hitjoints.vectors import unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.robot import Contact, Robot
+    from hitjoints.model.robot import Contact, Robot
 
     Array = NDArray[np.float64]
 
@@ -255,10 +255,9 @@ def _step_back(
     shift = (target - position(robot, q, contact)) / dt
     before = q
     for _ in range(2):  # the second time with the Jacobian of the middle of the step
-        left, s, right = np.linalg.svd(
-            jacobian(robot, (q + before) / 2, contact), full_matrices=False
-        )
-        kept = s > RANK_TOLERANCE
+        jac = jacobian(robot, (q + before) / 2, contact)
+        left, s, right = np.linalg.svd(jac, full_matrices=False)
+        kept = s > rank_floor(jac)
         rows, sides = s[kept, None] * right[kept], left[:, kept].T @ shift
         found = solve(Program(-posture, low, high, H=np.eye(robot.n), A=rows, b=sides))
         before = np.clip(q + dt * found.x, robot.lower, robot.upper)

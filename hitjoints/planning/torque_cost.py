@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import jacobian, position
-from hitjoints.hitting.hit import Hit
+from hitjoints.hit import Hit
 from hitjoints.planning.acceleration import run_from
 from hitjoints.planning.start import SETTLED, SHARES, plan_start
-from hitjoints.programs.speed import solve_hitting_speed
+from hitjoints.programs.hitting_speed import solve_hitting_speed
 from hitjoints.vectors import unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from hitjoints.robot import Contact, Robot
+    from hitjoints.model.robot import Contact, Robot
 
 LONGER = 2.0
 """Factor from the run-up that the field needs to the second that is tried."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.errors import InputError
+from hitjoints.vectors import real
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -47,7 +48,7 @@ class Program:
     d: Vector = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
-        c, b, d = (np.asarray(v, dtype=float).reshape(-1) for v in (self.c, self.b, self.d))
+        c, b, d = (real(getattr(self, name), name, "numbers").reshape(-1) for name in "cbd")
         n = c.size
         shapes: dict[str, tuple[int, ...]] = {
             "c": (n,),
@@ -60,7 +61,7 @@ class Program:
         if self.H is not None:
             shapes["H"] = (n, n)
         for name, shape in shapes.items():
-            value = np.asarray(getattr(self, name), dtype=float)
+            value = real(getattr(self, name), name, "numbers")
             if value.size == 0 and 0 in shape:
                 value = value.reshape(shape)
             if value.shape != shape:

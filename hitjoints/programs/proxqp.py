@@ -14,8 +14,8 @@ import numpy as np
 from proxsuite import proxqp
 
 from hitjoints.errors import InfeasibleError, SolverError
+from hitjoints.programs.active_set import polish
 from hitjoints.programs.infeasibility import Infeasibility, show_blocked, show_infeasible
-from hitjoints.programs.polish import polish
 from hitjoints.programs.problem import Program, Solution, residuals
 from hitjoints.programs.scaling import Scaled, scaled
 

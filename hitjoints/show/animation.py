@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hitjoints.datasets.files import check_writable, write_whole
 from hitjoints.dynamics.kinematics import position
-from hitjoints.maps.files import check_writable, write_whole
-from hitjoints.show.arm import add_solid, draw_arm, set_view
+from hitjoints.show.drawn_arm import add_solid, draw_arm, set_view
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import NDArray
 
-    from hitjoints.evidence.physics.record import Simulation
+    from hitjoints.evidence.physics.simulated_hit import Simulation
 
     Array = NDArray[np.float64]
 

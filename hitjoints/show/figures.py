@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hitjoints.maps.files import check_writable, write_whole
+from hitjoints.datasets.files import check_writable, write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.evidence.paper.scenario import JOINTS, PRINTED
-from hitjoints.show.arm import BOX, draw_arm
+from hitjoints.show.drawn_arm import BOX, draw_arm
 from hitjoints.show.figures import colour_of
 
 if TYPE_CHECKING:
@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from hitjoints.evidence.paper.reproduce import Experiments
+    from hitjoints.evidence.paper.reproduction import Experiments
     from hitjoints.evidence.paper.scenario import Scenario
-    from hitjoints.hitting.record import Rollout
+    from hitjoints.rollouts.record import Rollout
 
 ARMS = {"iiwa14_bullet": "-", "iiwa14": "--"}
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from hitjoints.evidence.paper.reproduce import Experiments
+    from hitjoints.evidence.paper.reproduction import Experiments
     from hitjoints.evidence.paper.spread import Spread
 
 BINS = 50

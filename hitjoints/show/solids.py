@@ -12,7 +12,7 @@ from hitjoints.dynamics.kinematics import position
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.robot import Robot
+    from hitjoints.model.robot import Robot
 
     Array = NDArray[np.float64]
 

@@ -16,13 +16,13 @@ import pinocchio as pin
 from hitjoints.dynamics.inertia import inertia_along, inverse_inertia
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import HitjointsError, InfeasibleError, InputError, MissingExtraError
-from hitjoints.hitting.hit import Hit
-from hitjoints.hitting.prepare import placed
-from hitjoints.hitting.rollout import rollout
-from hitjoints.planning.plan import plan
+from hitjoints.hit import Hit
+from hitjoints.model.robot import Contact
+from hitjoints.planning.planner import plan
 from hitjoints.quantities import hitting_speed
-from hitjoints.robot import Contact
-from hitjoints.show.arm import ARROW, BOX, INERTIA, LINK, inertia_surface, rgb
+from hitjoints.rollouts.follow import rollout
+from hitjoints.rollouts.prepare import placed
+from hitjoints.show.drawn_arm import ARROW, BOX, INERTIA, LINK, inertia_surface, rgb
 from hitjoints.show.figures import colour_of
 from hitjoints.show.solids import solids
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.robot import Robot
+    from hitjoints.model.robot import Robot
     from hitjoints.show.solids import Solid
 
     Array = NDArray[np.float64]

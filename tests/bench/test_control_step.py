@@ -7,7 +7,7 @@ import hitjoints as hj
 from benchmarks.control import walk
 from benchmarks.peers.control_step import PyBulletStep
 from benchmarks.peers.osqp import OsqpInPlace, QpSolvers
-from hitjoints.hitting.prepare import prepare
+from hitjoints.rollouts.prepare import prepare
 
 pytest.importorskip("pybullet")
 pytest.importorskip("qpsolvers")

@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 import hitjoints as hj
-from hitjoints.evidence.recordings.files import EXAMPLES
+from hitjoints.evidence.recordings.hit_files import EXAMPLES
 
 KEYS = {
     "file", "robot", "ok", "reason", "position_error", "inertia", "recorded_inertia", "flux",

@@ -6,7 +6,7 @@ import pytest
 from hitjoints.dynamics.inertia import inertia_along, inertia_and_gradient_along, inverse_inertia
 from hitjoints.dynamics.kinematics import jacobian, manipulability, position
 from hitjoints.errors import InfeasibleError
-from hitjoints.robot import Contact
+from hitjoints.model.robot import Contact
 
 L1, L2, M1, M2 = 0.5, 0.4, 3.0, 1.7
 X, Y = np.array([1.0, 0, 0]), np.array([0, 1.0, 0])

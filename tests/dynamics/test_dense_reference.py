@@ -6,7 +6,7 @@ import pytest
 
 from hitjoints.dynamics.inertia import inertia_along, inertia_and_gradient_along, inverse_inertia
 from hitjoints.dynamics.kinematics import jacobian, position
-from hitjoints.robot import Contact
+from hitjoints.model.robot import Contact
 
 ROBOTS = ["iiwa14", "iiwa7", "panda", "xarm7"]
 JOINTS = [4, 5, 6, 7]

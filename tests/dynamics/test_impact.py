@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hitjoints.dynamics.impact import hitting_flux, object_speed, rebound, required_speed
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import jacobian
 from hitjoints.errors import InputError
-from hitjoints.robot import Contact
+from hitjoints.impact.collision import hitting_flux, object_speed, rebound, required_speed
+from hitjoints.model.robot import Contact
 
 INERTIA = st.floats(1e-3, 1e3)
 MASS = st.floats(0, 1e2)

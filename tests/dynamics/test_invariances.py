@@ -8,7 +8,7 @@ import pytest
 
 from hitjoints.dynamics.inertia import inertia_and_gradient_along, inverse_inertia
 from hitjoints.dynamics.kinematics import jacobian, manipulability, position
-from hitjoints.robot import Contact
+from hitjoints.model.robot import Contact
 from hitjoints.vectors import unit
 
 RNG_SEED = 11

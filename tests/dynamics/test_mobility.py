@@ -13,8 +13,8 @@ from hitjoints.dynamics.kinematics import (
     position,
 )
 from hitjoints.errors import HitjointsError, InfeasibleError
-from hitjoints.robot import Contact
-from hitjoints.tolerances import MOBILITY_FLOOR
+from hitjoints.model.robot import Contact
+from hitjoints.tolerances import MOBILITY_FLOOR, rank_floor
 
 BENT = np.array([0.3, 0.7, 0.2, -1.3, 0.4, 0.9, 0.1])
 Z = np.array([0.0, 0.0, 1.0])
@@ -125,3 +125,24 @@ def test_directional_inertia_is_not_that_of_lambda(arm):
     inertia = inertia_along(arm("iiwa14"), BENT, Contact(6), h)
     assert inertia == pytest.approx(1 / inverse[1, 1], rel=1e-13)
     assert inertia < 0.99 * np.linalg.inv(inverse)[1, 1]
+
+
+def test_an_arm_written_with_rounded_angles_has_the_rank_it_is_meant_to_have(arm):
+    """xarm7's file writes pi/2 as 1.5708: its elbow leaves the sphere by 5e-7 of its motion."""
+    robot = arm("xarm7")
+    rng = np.random.default_rng(12)
+    for q in rng.uniform(-np.pi, np.pi, (300, 7)):
+        found = feasible_directions(robot, q, 4)
+        assert found.rank == 2
+        third = np.linalg.svd(jacobian(robot, q, 4), compute_uv=False)[2]
+        assert third < rank_floor(jacobian(robot, q, 4))
+
+
+def test_the_rank_is_relative_to_the_jacobian_and_the_same_for_rows():
+    rng = np.random.default_rng(13)
+    rows = rng.normal(size=(50, 3, 7))
+    for size in (1e-2, 1.0, 1e2):
+        floors = rank_floor(size * rows)
+        np.testing.assert_allclose(floors, [rank_floor(size * J) for J in rows], rtol=1e-15)
+        np.testing.assert_allclose(floors, 1e-6 * size * np.linalg.norm(rows, axis=(1, 2)))
+    assert rank_floor(1e-16 * rows[0]) > np.linalg.norm(1e-16 * rows[0])

@@ -7,9 +7,9 @@ that these robots do not have. Its flux is a function of its inertia, which is c
 import numpy as np
 import pytest
 
-from hitjoints.dynamics.impact import hitting_flux
 from hitjoints.dynamics.kinematics import jacobian, position
-from hitjoints.robot import Contact
+from hitjoints.impact.collision import hitting_flux
+from hitjoints.model.robot import Contact
 
 HITS = ["iiwa14_hit_a", "iiwa14_hit_b", "iiwa7_hit_a", "iiwa7_hit_b"]
 ROBOTS = {"IIWA_14": "iiwa14", "IIWA_7": "iiwa7"}

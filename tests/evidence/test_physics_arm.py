@@ -8,8 +8,8 @@ import pinocchio as pin
 import pytest
 
 from hitjoints.errors import MissingExtraError
-from hitjoints.evidence.physics.arm import arm_spec, link_name
-from hitjoints.loading import load_robot
+from hitjoints.evidence.physics.engine_arm import arm_spec, link_name
+from hitjoints.loading.load import load_robot
 
 
 def judge(robot, *, close=1e-10):

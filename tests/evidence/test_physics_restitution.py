@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from hitjoints.errors import InputError
+from hitjoints.evidence.physics.engine_scene import SOLIMP
 from hitjoints.evidence.physics.restitution import (
     LEAST,
     contact_spring,
     damping_ratio,
     restitution_of,
 )
-from hitjoints.evidence.physics.scene import SOLIMP
 
 SOME = (0.0, 0.02, 0.1, math.exp(-2), 0.3, 0.5, 0.8, 0.99, 1.0)
 

@@ -9,11 +9,11 @@ import pytest
 
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InputError
-from hitjoints.evidence.physics.scene import Impact, build_scene
+from hitjoints.evidence.physics.engine_scene import ImpactState, build_scene
 from hitjoints.evidence.physics.setting import Setting, setting
 from hitjoints.evidence.physics.slide import slide
 from hitjoints.evidence.physics.strike import strike
-from hitjoints.robot import Contact
+from hitjoints.model.robot import Contact
 
 MASS = 2.0
 
@@ -26,7 +26,7 @@ def impact_of(robot, joint=7, offset=(0.0, 0.0, 0.1), seed=0, speed=0.8, h=(0.0,
     g = h @ jacobian(robot, q, contact)
     qd = rng.uniform(-0.3, 0.3, robot.n)
     qd += g * (speed - g @ qd) / (g @ g)
-    return Impact(contact, h, MASS, q, qd, position(robot, q, contact))
+    return ImpactState(contact, h, MASS, q, qd, position(robot, q, contact))
 
 
 def free(robot, impact, how):

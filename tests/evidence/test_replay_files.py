@@ -2,7 +2,7 @@
 
 import pytest
 
-from hitjoints.evidence.recordings.files import find
+from hitjoints.evidence.recordings.hit_files import find
 
 
 @pytest.fixture

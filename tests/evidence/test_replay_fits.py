@@ -5,9 +5,9 @@ import pytest
 
 from hitjoints.evidence.recordings import fits
 from hitjoints.evidence.recordings.contact import NotHitError, from_object, from_robot
+from hitjoints.evidence.recordings.csv_table import RecordingError
 from hitjoints.evidence.recordings.glide import measure_glide
 from hitjoints.evidence.recordings.layout import Clock
-from hitjoints.evidence.recordings.table import RecordingError
 
 TIME = 1715015836.0 + np.arange(200) / 200
 H = np.array([0.0, -1.0, 0.0])

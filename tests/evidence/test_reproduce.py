@@ -10,15 +10,15 @@ import pinocchio as pin
 import pytest
 
 import hitjoints as hj
+from hitjoints.evidence.paper.claim_rows import ClaimRow
 from hitjoints.evidence.paper.many import along_the_line, best_postures
-from hitjoints.evidence.paper.rows import Row
 from hitjoints.evidence.paper.scenario import Scenario
 from hitjoints.evidence.paper.spread import study_spread
 from hitjoints.evidence.paper.table import as_csv, as_markdown, shown
 from hitjoints.evidence.paper.variants import VARIANTS, phantom_robot
 from hitjoints.hitting.controller import Gains
 from hitjoints.show.figures import save_figure
-from hitjoints.show.paper import draw_reproduction
+from hitjoints.show.paper_figures import draw_reproduction
 
 H = np.array([0.0, 1.0, 0.0])
 OBJECT = np.array([0.5, 0.3, 0.5])
@@ -418,7 +418,7 @@ def test_command(run, tmp_path):
     assert made == ["fig2.pdf", "fig2.png", "table.csv", "table.md"]
     assert (folder / "fig2.pdf").read_bytes().startswith(b"%PDF")
     rows = outcome.json["rows"]
-    assert all(set(r) == set(Row.__dataclass_fields__) for r in rows)
+    assert all(set(r) == set(ClaimRow.__dataclass_fields__) for r in rows)
     assert {r["figure"] for r in rows} == {"fig2"}
     assert outcome.json["scenario"]["mass"] == 2
     shown_again = run("reproduce", "fig2", "--out", folder)

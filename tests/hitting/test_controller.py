@@ -5,10 +5,10 @@ import pytest
 
 import hitjoints as hj
 from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.hit import Hit, observe
 from hitjoints.hitting.controller import Controller, Gains
-from hitjoints.hitting.hit import Hit, observe
-from hitjoints.hitting.posture import most_manipulable
-from hitjoints.programs.velocity import solve_joint_velocity
+from hitjoints.hitting.manipulability_posture import most_manipulable
+from hitjoints.programs.joint_velocity import solve_joint_velocity
 
 OBJECT, ALONG = np.array([0.5, 0.3, 0.5]), np.array([0.0, 1.0, 0.0])
 Q = np.array([-0.34, 1.41, -1.38, 1.6, 0.48, 1.97, 1.32])

@@ -12,10 +12,10 @@ from scipy.optimize import minimize
 import hitjoints as hj
 from benchmarks.control import broken_limits, random_rollouts
 from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.hit import Hit
 from hitjoints.hitting.controller import Controller
-from hitjoints.hitting.hit import Hit
-from hitjoints.hitting.rollout import rollout
-from hitjoints.hitting.torques import TorqueLimits, stopping_rate, stopping_speed
+from hitjoints.hitting.torque_limits import TorqueLimits, stopping_rate, stopping_speed
+from hitjoints.rollouts.follow import rollout
 
 OBJECT, ALONG = np.array([0.5, 0.3, 0.5]), np.array([0.0, 1.0, 0.0])
 

@@ -8,9 +8,7 @@ from scipy.optimize import linprog, minimize
 
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.hitting.laws import QpLaw, law_named, paper_law
-from hitjoints.programs.problem import Program
-from hitjoints.programs.proxqp import solve
-from hitjoints.programs.velocity import (
+from hitjoints.programs.joint_velocity import (
     RHO,
     build_joint_velocity,
     gradient_weights,
@@ -18,6 +16,8 @@ from hitjoints.programs.velocity import (
     solve_joint_velocity,
     unbounded_flux,
 )
+from hitjoints.programs.problem import Program
+from hitjoints.programs.proxqp import solve
 from hitjoints.programs.warm import WarmProgram
 from hitjoints.vectors import unit
 

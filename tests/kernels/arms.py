@@ -7,7 +7,7 @@ import functools
 import numpy as np
 import pinocchio as pin
 
-from hitjoints.loading import load_robot
+from hitjoints.loading.load import load_robot
 
 
 def model_of(name: str) -> pin.Model:

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from hitjoints.errors import InputError, KernelMismatchError, ModelError
 from hitjoints.kernels import Chain, build_kernel
-from hitjoints.kernels.arm import Arm
-from hitjoints.kernels.dynamics import Factor, mass_matrix
-from hitjoints.kernels.verify import Reference
+from hitjoints.kernels.formulas.links import TracedArm
+from hitjoints.kernels.formulas.mass_matrix import Factor, mass_matrix
+from hitjoints.kernels.verify import PinocchioAnswers
 
 OUTPUTS = ("inertia", "gradient", "position", "jacobian", "mobility_gradient", "response")
 NAMED = {"iiwa14": arms.iiwa14, "iiwa7": arms.iiwa7, "panda": arms.panda, "xarm7": arms.xarm7}
@@ -21,7 +21,7 @@ def compare(model, contact, count, backend):
     q, h = arms.configurations(model, count), arms.directions(count)
     result = build_kernel(model, [contact], OUTPUTS, backend)(q, h)
     data = model.createData()
-    reference = [Reference.at(model, data, q[i], contact, h[i]) for i in range(count)]
+    reference = [PinocchioAnswers.at(model, data, q[i], contact, h[i]) for i in range(count)]
     inertia = 1.0 / np.array([r.mobility for r in reference])
     gradient = -(inertia[:, None] ** 2) * np.array([r.mobility_gradient for r in reference])
     size = np.maximum(inertia, np.abs(gradient).max(axis=1))
@@ -56,7 +56,7 @@ def test_arms_of_one_joint_agree_with_pinocchio(seed):
 def test_normalising_and_regrouping_keep_the_mass_matrix(seed, joints, prismatic):
     model = arms.random_chain(seed, joints, prismatic)
     q = arms.configurations(model, 1, seed)[0]
-    M = np.array(mass_matrix(Arm(Chain.from_model(model), tuple(q.tolist()))))
+    M = np.array(mass_matrix(TracedArm(Chain.from_model(model), tuple(q.tolist()))))
     expected = np.triu(pin.crba(model, model.createData(), q))
     assert np.abs(M - expected).max() <= 1e-13 * np.abs(expected).max()
 
@@ -64,7 +64,7 @@ def test_normalising_and_regrouping_keep_the_mass_matrix(seed, joints, prismatic
 def test_factor_reproduces_the_matrix():
     model = arms.random_chain(3, 6)
     q = arms.configurations(model, 1)[0]
-    factor = Factor(mass_matrix(Arm(Chain.from_model(model), tuple(q.tolist()))))
+    factor = Factor(mass_matrix(TracedArm(Chain.from_model(model), tuple(q.tolist()))))
     U = np.array(factor.U) + np.eye(6)
     M = np.triu(pin.crba(model, model.createData(), q))
     assert np.triu(U @ np.diag(1.0 / np.array(factor.inverse_D)) @ U.T) == pytest.approx(M)

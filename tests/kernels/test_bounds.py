@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from hitjoints.errors import InputError
 from hitjoints.kernels import Interval, bisect, build_bounds, build_kernel
-from hitjoints.kernels import interval_backend as ia
+from hitjoints.kernels.tape import interval_backend as ia
 
 OUTPUTS = ("inertia", "gradient", "speed", "straight_speed", "flux", "position", "jacobian")
 ANGLE = st.floats(-20.0, 20.0)

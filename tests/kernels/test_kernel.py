@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from hitjoints.errors import InputError
-from hitjoints.kernels import backends, build_kernel
-from hitjoints.kernels.formulas import OUTPUT_SHAPES
+from hitjoints.kernels import build_kernel
+from hitjoints.kernels.formulas.outputs import OUTPUT_SHAPES
+from hitjoints.kernels.tape import backends
 
 H = np.array([0.0, 1.0, 0.0])
 CONTACTS = [(5, (0, 0, 0)), (6, (0.02, 0, 0)), (7, (0, 0, 0.1))]
@@ -82,7 +83,7 @@ def test_without_llvm_numpy_serves(monkeypatch):
     monkeypatch.delenv("HITJOINTS_BACKEND", raising=False)
     monkeypatch.setitem(sys.modules, "llvmlite", None)
     monkeypatch.setitem(sys.modules, "llvmlite.binding", None)
-    monkeypatch.delitem(sys.modules, "hitjoints.kernels.llvm_backend", raising=False)
+    monkeypatch.delitem(sys.modules, "hitjoints.kernels.tape.llvm_backend", raising=False)
     backends.llvm_works.cache_clear()
     try:
         assert backends.choose() == "numpy"
@@ -122,7 +123,7 @@ def test_wrong_contacts_and_threads_are_refused():
 @pytest.mark.parametrize("lanes", [1, 2, 4])
 def test_narrower_vectors_give_the_same_numbers(monkeypatch, lanes):
     """What processors without AVX-512 run."""
-    from hitjoints.kernels import llvm_backend
+    from hitjoints.kernels.tape import llvm_backend
 
     model, outputs = arms.iiwa14(), ("inertia", "gradient", "straight_speed")
     q, h = arms.configurations(model, 37), arms.directions(37)

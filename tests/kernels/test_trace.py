@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hitjoints.kernels.llvm_backend import LlvmProgram
-from hitjoints.kernels.numpy_backend import NumpyProgram
-from hitjoints.kernels.trace import Tracer, absolute, cos, maximum, minimum, sin, where_less
+from hitjoints.kernels.tape.llvm_backend import LlvmProgram
+from hitjoints.kernels.tape.numpy_backend import NumpyProgram
+from hitjoints.kernels.tape.trace import Tracer, absolute, cos, maximum, minimum, sin, where_less
 
 
 def test_constants_fold():

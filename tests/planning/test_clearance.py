@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hitjoints.errors import InputError, ModelError
-from hitjoints.loading import load_robot
-from hitjoints.planning.clearance import clearance
+from hitjoints.loading.load import load_robot
+from hitjoints.model.robot import Contact
+from hitjoints.planning.room.clearance import clearance
 from hitjoints.planning.start import approach_path
-from hitjoints.robot import Contact
 
 LIMIT = '<limit lower="-3" upper="3" velocity="2" effort="3"/>'
 X, Z = [1, 0, 0], [0, 0, 1]

@@ -8,10 +8,10 @@ import pytest
 
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InfeasibleError, InputError, MissingExtraError
-from hitjoints.planning.feasibility import learn_feasibility, load_feasibility
-from hitjoints.planning.greatest_flux import maximum_flux, random_positions
+from hitjoints.model.robot import Contact
+from hitjoints.planning.learning.feasibility import learn_feasibility, load_feasibility
+from hitjoints.planning.learning.greatest_flux import maximum_flux, random_positions
 from hitjoints.quantities import kernel_for, place_joint
-from hitjoints.robot import Contact
 from hitjoints.vectors import unit
 
 SMALL = {"positions": 800, "directions": 4, "samples": 48}

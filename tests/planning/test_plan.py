@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import hitjoints as hj
-from hitjoints.planning.plan import RANKED_BY, plan
+from hitjoints.planning.planner import RANKED_BY, plan
 
 POSITION, DIRECTION, MASS = [0.5, 0.3, 0.5], [0, 1, 0], 2.0
 

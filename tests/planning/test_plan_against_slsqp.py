@@ -5,7 +5,7 @@ import pytest
 
 import hitjoints as hj
 from benchmarks.peers.scipy_plans import SciPyPlanner
-from hitjoints.planning.plan import RANKED_BY, plan
+from hitjoints.planning.planner import RANKED_BY, plan
 
 ROBOTS = ("iiwa14", "iiwa7", "panda")
 OBJECTIVES = ("inertia", "flux", "straight-flux", "rebound")

@@ -81,7 +81,7 @@ def test_rebound():
 
 
 def test_plot(tmp_path):
-    pytest.importorskip("hitjoints.show.arm")
+    pytest.importorskip("hitjoints.show.drawn_arm")
     picture = tmp_path / "plan.png"
     assert run("--joint", 6, "--joint", 5, "--no-certificate", "--plot", picture).exit_code == 0
     assert picture.read_bytes().startswith(b"\x89PNG")

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import hitjoints as hj
-from hitjoints.planning.exclusion import exclude
-from hitjoints.planning.objectives import Hit
-from hitjoints.planning.plan import plan
-from hitjoints.robot import Contact
+from hitjoints.model.robot import Contact
+from hitjoints.planning.objectives.hit_problem import Hit
+from hitjoints.planning.planner import plan
+from hitjoints.planning.proof.exclusion import exclude
 
 POSITION, DIRECTION, MASS = [0.5, 0.3, 0.5], [0, 1, 0], 2.0
 

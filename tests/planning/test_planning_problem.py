@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import hitjoints as hj
-from hitjoints.planning.geometry import Axes, bend
-from hitjoints.planning.objectives import Hit, HitProblem
-from hitjoints.planning.polish import climb, feasible, pull_back
-from hitjoints.planning.straight import straight_velocities
-from hitjoints.robot import Contact
+from hitjoints.model.robot import Contact
+from hitjoints.planning.objectives.geometry import Axes, bend
+from hitjoints.planning.objectives.hit_problem import Hit, HitProblem
+from hitjoints.planning.objectives.straight import straight_velocities
+from hitjoints.planning.search.climb import climb, feasible, pull_back
 
 H = np.array([0.48, 0.6, 0.64])
 STEP = 1e-6

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import hitjoints as hj
-from hitjoints.planning import certificate
-from hitjoints.planning.certificate import certify
-from hitjoints.planning.objectives import Hit
+from hitjoints.model.robot import Contact
+from hitjoints.planning.objectives.hit_problem import Hit
 from hitjoints.planning.posture import posture
-from hitjoints.robot import Contact
+from hitjoints.planning.proof import certificate
+from hitjoints.planning.proof.certificate import certify
 
 Q = np.array([1.1, 0.8, -0.9, -1.5, -2.2, 0.3, 0.6])
 H = np.array([0.0, 0.6, 0.8])

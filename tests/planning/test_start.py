@@ -7,6 +7,7 @@ import hitjoints as hj
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.hitting.field import HittingField
+from hitjoints.model.robot import Contact
 from hitjoints.planning.start import (
     OFF_THE_LINE,
     SETTLED,
@@ -14,7 +15,6 @@ from hitjoints.planning.start import (
     fastest_start,
     plan_start,
 )
-from hitjoints.robot import Contact
 
 Y = np.array([0.0, 1.0, 0.0])
 

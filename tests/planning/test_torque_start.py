@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import hitjoints as hj
-from hitjoints.hitting.hit import Hit
-from hitjoints.hitting.rollout import rollout
+from hitjoints.hit import Hit
 from hitjoints.planning.start import SETTLED, fastest_start, plan_start
 from hitjoints.planning.torque_cost import torque_cost
+from hitjoints.rollouts.follow import rollout
 
 Y = np.array([0.0, 1.0, 0.0])
 HOME = hj.load_robot("iiwa14").home

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from hitjoints.programs.hitting_speed import step_bounds
 from hitjoints.programs.problem import Program
-from hitjoints.programs.speed import step_bounds
 
 
 def jacobian(rng):

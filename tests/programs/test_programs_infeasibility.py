@@ -6,10 +6,10 @@ import program_corpus as corpus
 import pytest
 
 from hitjoints.errors import InfeasibleError
+from hitjoints.programs.hitting_speed import build_hitting_speed
 from hitjoints.programs.infeasibility import show_infeasible, verify
 from hitjoints.programs.problem import Program
 from hitjoints.programs.proxqp import solve
-from hitjoints.programs.speed import build_hitting_speed
 
 TIME = 5e-3  # s of this thread (machines are shared), for the median and, best of three, for each
 

@@ -4,7 +4,7 @@ import pytest
 from scipy.optimize import linprog
 
 from hitjoints.errors import InfeasibleError, InputError
-from hitjoints.programs.speed import (
+from hitjoints.programs.hitting_speed import (
     box_speed,
     build_hitting_speed,
     solve_hitting_speed,

@@ -10,8 +10,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from hitjoints.loading import describe, load_robot, robot_names
-from hitjoints.modelcheck import check_arm
+from hitjoints.loading.check import check_arm
+from hitjoints.loading.load import describe, load_robot, robot_names
 
 OWN = ["iiwa14", "iiwa14_bullet", "iiwa7"]
 ALL = [*OWN, "panda", "xarm7"]
@@ -197,6 +197,20 @@ def test_panda_holds_its_fingers(arm):
     # Hand and fingers ride on link 7.
     assert robot.model.inertias[7].mass > 0.73
     assert robot.flange.offset == (0, 0, 0.107)
+
+
+def test_facts_of_the_drives(arm):
+    known = {"acceleration": "iiwa14 iiwa7 panda", "jerk": "panda", "rotor_inertia": "iiwa14 panda"}
+    for key in ("acceleration", "jerk", "rotor_inertia", "joint_stiffness"):
+        having = [name for name in ALL if getattr(arm(name), key) is not None]
+        assert having == known.get(key, "").split()
+        assert all(arm(name).provenance[key] for name in having)
+    # Reflected through the gears: the ratio squared times the motor's inertia.
+    motors = 160**2 * np.array([1.321e-4] * 4 + [0, 4.54e-5, 4.54e-5])
+    motors[4] = 100**2 * 1.321e-4
+    np.testing.assert_allclose(arm("iiwa14").rotor_inertia, motors, rtol=1e-14)
+    # The jerk limits of the Panda are reached in 2 ms.
+    np.testing.assert_allclose(arm("panda").jerk * 0.002, arm("panda").acceleration)
 
 
 def test_sources_name_where_the_numbers_come_from(arm):

@@ -10,9 +10,9 @@ import pytest
 
 from hitjoints.dynamics.inertia import inertia_along, inverse_inertia
 from hitjoints.errors import ModelError
-from hitjoints.loading import ModelWarning, describe, load_robot
-from hitjoints.modelcheck import check_arm
-from hitjoints.robot import Contact
+from hitjoints.loading.check import check_arm
+from hitjoints.loading.load import ModelWarning, describe, load_robot
+from hitjoints.model.robot import Contact
 
 PHANTOM = (
     '<link name="flange"><inertial><mass value="1e-6"/>'

@@ -12,7 +12,7 @@ import pytest
 from hitjoints.dynamics.inertia import inertia_and_gradient_along, inverse_inertia
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InputError
-from hitjoints.robot import Contact
+from hitjoints.model.robot import Contact
 
 H = np.array([0.0, 0.6, 0.8])
 

@@ -1,13 +1,15 @@
 """A robot's TOML adds facts to a URDF; what is wrong in it is said."""
 
+import pickle
+
 import numpy as np
 import pinocchio as pin
 import pytest
 
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.errors import InputError, ModelError, UnknownNameError
-from hitjoints.loading import load_robot
-from hitjoints.robot import Contact
+from hitjoints.loading.load import load_robot
+from hitjoints.model.robot import Contact
 
 
 @pytest.fixture
@@ -65,7 +67,37 @@ def test_armature_enters_the_mass_matrix_and_the_inertia(toml):
     assert geared.digest != plain.digest
 
 
+DRIVES = {"acceleration": 8.0, "jerk": 900.0, "rotor_inertia": 0.5, "joint_stiffness": 4e3}
+
+
+@pytest.mark.parametrize("key", DRIVES)
+def test_facts_of_the_drives_are_held_with_their_source_and_change_no_inertia(toml, key):
+    value = DRIVES[key]
+    plain, known = toml(), toml(f"{key} = [{value}, 0.25]", f'{key}_source = "a\\n data sheet"')
+    assert getattr(plain, key) is None
+    assert plain.provenance == {}
+    np.testing.assert_array_equal(getattr(known, key), [value, 0.25])
+    assert known.provenance == {key: "a data sheet"}
+    with pytest.raises(ValueError, match="read-only"):
+        getattr(known, key)[0] = 0
+    np.testing.assert_array_equal(known.model.armature, 0)
+    q, h = np.array([0.3, 0.4]), np.array([0.0, 1.0, 0.0])
+    contact = Contact(2, (0.2, 0.1, 0.0))
+    assert inertia_along(known, q, contact, h) == inertia_along(plain, q, contact, h)
+    assert known.digest != plain.digest
+    copy = pickle.loads(pickle.dumps(known))
+    assert copy == known
+    np.testing.assert_array_equal(getattr(copy, key), [value, 0.25])
+
+
 REFUSED = {
+    "acceleration = [1, 2]": "acceleration and acceleration_source belong together",
+    'jerk_source = "a book"': "jerk and jerk_source belong together",
+    "jerk = [1]": "jerk = [1] must be 2 finite numbers",
+    "acceleration = [0, 1]": "acceleration = [0, 1] must be above zero",
+    "joint_stiffness = [1, -1]": "joint_stiffness = [1, -1] must be above zero",
+    "rotor_inertia = [0, -1]": "rotor_inertia = [0, -1] must not be negative",
+    "rotor_inertia_source = 3": "rotor_inertia_source = 3 must be text",
     "speed = 1": "unknown key 'speed'; the keys are name, title, urdf,",
     "armature = [0.1]": "armature = [0.1] must be 2 finite numbers",
     "armature = [[0, 1], [2]]": "must be 2 finite numbers",

@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hitjoints import loading
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import HitjointsError, InputError, ModelError, UnknownNameError
-from hitjoints.loading import load_robot
-from hitjoints.robot import Contact
-from hitjoints.urdf import read_arm
+from hitjoints.loading import load as loading
+from hitjoints.loading.load import load_robot
+from hitjoints.model.robot import Contact
+from hitjoints.model.urdf import read_arm
 
 
 def test_path_string_and_pathlib(urdf):

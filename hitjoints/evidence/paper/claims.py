@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.dynamics.kinematics import feasible_directions, jacobian, position
-from hitjoints.evidence.paper.rows import Line, Value, Values
-from hitjoints.programs.speed import box_speed
+from hitjoints.evidence.paper.claim_rows import Item, Value, Values
+from hitjoints.programs.hitting_speed import box_speed
 from hitjoints.quantities import place_joint
 
 if TYPE_CHECKING:
     from hitjoints.evidence.paper.scenario import Scenario
-    from hitjoints.robot import Robot
+    from hitjoints.model.robot import Robot
 
 CONFIGURATIONS = 500
 
@@ -39,20 +39,20 @@ def claim_values(robot: Robot, scenario: Scenario) -> Values:
 
 
 LINES = (
-    Line("radius_4", "text", "joint 4: distance from joint 2 (m)", "a sphere",
+    Item("radius_4", "text", "joint 4: distance from joint 2 (m)", "a sphere",
          "The length of the upper arm."),
-    Line("change_4", "text", "joint 4: change of that distance over the workspace (m)", "a sphere",
+    Item("change_4", "text", "joint 4: change of that distance over the workspace (m)", "a sphere",
          "As stated: joint 4 stays on a sphere about joint 2."),
-    Line("rank_4", "text", "joint 4: rank of its Jacobian", "a sphere",
+    Item("rank_4", "text", "joint 4: rank of its Jacobian", "a sphere",
          "As stated: a sphere's tangent plane. Where joint 2 is at zero it drops to 1."),
-    Line("radial_4", "text", "joint 4: greatest speed away from joint 2 (m/s)", "a sphere",
+    Item("radial_4", "text", "joint 4: greatest speed away from joint 2 (m/s)", "a sphere",
          "As stated."),
-    Line("rank_5", "text", "joint 5: rank of its Jacobian", "tangential only",
+    Item("rank_5", "text", "joint 5: rank of its Jacobian", "tangential only",
          "Differs: the elbow changes the distance of joint 5 from joint 2, by up to "
          "{bullet[change_5]:.2g} m over the workspace. {bullet[share_5]:.4g} % of random "
          "configurations have rank 3; a straight elbow does not. The paper's sentence is true of "
          "joint 4."),
-    Line("radial_5", "text", "joint 5: greatest speed away from joint 2, at the object (m/s)",
+    Item("radial_5", "text", "joint 5: greatest speed away from joint 2, at the object (m/s)",
          "tangential only", "Differs, for the same reason; in its easiest direction it reaches "
          "{bullet[easiest_5]:.3g} m/s."),
 )  # fmt: skip

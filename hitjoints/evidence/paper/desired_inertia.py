@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.dynamics.inertia import inertia_and_gradient_along
-from hitjoints.evidence.paper.rows import Line, Value, Values
+from hitjoints.evidence.paper.claim_rows import Item, Value, Values
 from hitjoints.evidence.paper.starts import hit_from, paper_start
 from hitjoints.hitting.controller import ReferenceName
-from hitjoints.robot import Contact
+from hitjoints.model.robot import Contact
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hitjoints.evidence.paper.scenario import Scenario
-    from hitjoints.hitting.record import Rollout
-    from hitjoints.robot import Robot
+    from hitjoints.model.robot import Robot
+    from hitjoints.rollouts.record import Rollout
 
     Array = NDArray[np.float64]
 
@@ -68,33 +68,33 @@ def _rms(values: Array) -> float:
 
 
 LINES = (
-    Line("rms_constant_7", "fig4", "joint 7, constant reference: RMS of inertia - desired (kg)",
+    Item("rms_constant_7", "fig4", "joint 7, constant reference: RMS of inertia - desired (kg)",
          None, "Only curves are printed, not for which joint. The constant is the inertia of the "
          "configuration that inverse kinematics finds at the object, which lies close to the "
          "motion here; elsewhere it may be kilograms away."),
-    Line("rms_optimised_7", "fig4", "joint 7, reference of Eq. 13: RMS of inertia - desired (kg)",
+    Item("rms_optimised_7", "fig4", "joint 7, reference of Eq. 13: RMS of inertia - desired (kg)",
          None, "As the figure shows: Eq. 13 is one step ahead of where the arm is, so it is always "
          "within reach."),
-    Line("rms_constant_6", "fig4", "joint 6, constant reference: RMS of inertia - desired (kg)",
+    Item("rms_constant_6", "fig4", "joint 6, constant reference: RMS of inertia - desired (kg)",
          None, "Here the inertia grows by 0.6 kg along the way, and the constant does not know."),
-    Line("rms_optimised_6", "fig4", "joint 6, reference of Eq. 13: RMS of inertia - desired (kg)",
+    Item("rms_optimised_6", "fig4", "joint 6, reference of Eq. 13: RMS of inertia - desired (kg)",
          None, "As for joint 7."),
-    Line("apart_7", "fig4", "joint 7: RMS between the two motions' inertia (kg)", "almost the same",
+    Item("apart_7", "fig4", "joint 7: RMS between the two motions' inertia (kg)", "almost the same",
          "As stated: the reference hardly changes what the arm does, since the inertia term of "
          "Eq. 7 has only the null space."),
-    Line("apart_6", "fig4", "joint 6: RMS between the two motions' inertia (kg)", "almost the same",
+    Item("apart_6", "fig4", "joint 6: RMS between the two motions' inertia (kg)", "almost the same",
          "As stated."),
-    Line("flux", "fig4", "desired flux (m/s)", None, "Not printed; the default of "
+    Item("flux", "fig4", "desired flux (m/s)", None, "Not printed; the default of "
          "`hitjoints rollout`."),
-    Line("flux_constant_7", "fig4", "joint 7, constant reference: flux at the impact (m/s)", None,
+    Item("flux_constant_7", "fig4", "joint 7, constant reference: flux at the impact (m/s)", None,
          "Eq. 5 as printed slows down beside its line, by 3 % at a third of a millimetre. With "
          "--speed-profile constant the flux is the desired one."),
-    Line("flux_optimised_7", "fig4", "joint 7, reference of Eq. 13: flux at the impact (m/s)", None,
+    Item("flux_optimised_7", "fig4", "joint 7, reference of Eq. 13: flux at the impact (m/s)", None,
          "The same."),
-    Line("residuals", "fig4", "Eq. 12: entries of the residual that W weighs", 7,
+    Item("residuals", "fig4", "Eq. 12: entries of the residual that W weighs", 7,
          "Erratum: J qd - f has 3 entries, W = I_7 does not fit it. hitjoints weighs the joint "
          "motion with it, see rollout."),
-    Line("gradient_least", "fig4", "Eq. 12: least entry of W = diag(grad lambda) (kg/rad)", None,
+    Item("gradient_least", "fig4", "Eq. 12: least entry of W = diag(grad lambda) (kg/rad)", None,
          "Erratum: with a weight below zero the problem is not convex. hitjoints takes "
          "|grad lambda| / max + 0.1."),
 )  # fmt: skip

@@ -8,19 +8,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hitjoints.dynamics.impact import hitting_flux
 from hitjoints.dynamics.inertia import inverse_inertia
 from hitjoints.dynamics.kinematics import position
-from hitjoints.evidence.paper.rows import Line, Value, Values
+from hitjoints.evidence.paper.claim_rows import Item, Value, Values
 from hitjoints.evidence.paper.scenario import JOINTS, PRINTED
 from hitjoints.evidence.paper.spread import angle_to
 from hitjoints.evidence.paper.starts import PaperStart, hit_from, paper_start
+from hitjoints.impact.collision import hitting_flux
 from hitjoints.quantities import hitting_speed
 
 if TYPE_CHECKING:
     from hitjoints.evidence.paper.scenario import Scenario
-    from hitjoints.hitting.record import Impact, Rollout
-    from hitjoints.robot import Robot
+    from hitjoints.hitting.approach import Impact
+    from hitjoints.model.robot import Robot
+    from hitjoints.rollouts.record import Rollout
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,24 +98,24 @@ def _held(robot: Robot, joint: int, impact: Impact, scenario: Scenario) -> float
 
 
 LINES = (
-    Line("start_apart", "fig5", "distance of the joints' starts from one position (mm)", "the same",
+    Item("start_apart", "fig5", "distance of the joints' starts from one position (mm)", "the same",
          "As stated."),
-    Line("start_7", "fig5", "joint 7: inertia at the start, Eq. 14 (kg)", None,
+    Item("start_7", "fig5", "joint 7: inertia at the start, Eq. 14 (kg)", None,
          "Flat: {bullet[placed_7]:.4g} kg before Eq. 14, which only turns joint 7."),
-    Line("start_6", "fig5", "joint 6: inertia at the start, Eq. 14 (kg)", None,
+    Item("start_6", "fig5", "joint 6: inertia at the start, Eq. 14 (kg)", None,
          "{bullet[placed_6]:.3g} kg before Eq. 14. With the phantom Eq. 14 would double it, "
          "from {phantom[placed_6]:.3g} kg: it optimises an inertia that is not there."),
-    Line("start_5", "fig5", "joint 5: inertia at the start, Eq. 14 (kg)", None,
+    Item("start_5", "fig5", "joint 5: inertia at the start, Eq. 14 (kg)", None,
          "{bullet[placed_5]:.3g} kg before Eq. 14."),
     *(
-        Line(f"away_{k}", "fig5", f"joint {k}: h . (chi_{k + 1} - chi_{k}) (mm)", "< 0", remark)
+        Item(f"away_{k}", "fig5", f"joint {k}: h . (chi_{k + 1} - chi_{k}) (mm)", "< 0", remark)
         for k, remark in (
             (7, "Met; chi_8 is the flange. q_7 has no influence on it."),
             (6, "Met."),
             (5, "Met. q_5 has no influence on it."),
         )
     ),
-    Line("impact_7", "fig6", "joint 7: inertia at the impact (kg)", 2.5,
+    Item("impact_7", "fig6", "joint 7: inertia at the impact (kg)", 2.5,
          "Differs: the paper prints neither the object's place nor the start, on which it depends: "
          "{bullet[inertia_7_below]:.0f} % of random setups have less than 2.5 kg, and at this very "
          "start Eq. 14 gives {bullet[eq14_least_7]:.2g} to {bullet[eq14_greatest_7]:.2g} kg, "
@@ -122,44 +123,44 @@ LINES = (
          "the direction, see below. PyBullet's tensors add {tensors[impact_7]:.0f} %. "
          "With the phantom {phantom[inertia_7_below]:.0f} % of setups have less than 2.5 kg, so "
          "the paper's arm seems to have had none."),
-    Line("angle_7", "fig6", "joint 7: angle of its last link to the direction at the impact (deg)",
+    Item("angle_7", "fig6", "joint 7: angle of its last link to the direction at the impact (deg)",
          None, "Across the direction the wrist alone moves joint 7, and it feels light. Setups "
          "near 2.5 kg have {bullet[angle_near_7]:.0f} deg in the median."),
-    Line("impact_6", "fig6", "joint 6: inertia at the impact (kg)", 3.9,
+    Item("impact_6", "fig6", "joint 6: inertia at the impact (kg)", 3.9,
          "Agrees to {bullet[off_6]:.0f} %, which is luck: {bullet[inertia_6_low]:.2g} to "
          "{bullet[inertia_6_high]:.2g} kg (5 to 95 %) come out of random setups. PyBullet's "
          "tensors change it by {tensors[impact_6]:.1f} %."),
-    Line("impact_5", "fig6", "joint 5: inertia at the impact (kg)", None,
+    Item("impact_5", "fig6", "joint 5: inertia at the impact (kg)", None,
          "The paper's Fig. 6 leaves joint 5 out. It cannot have the same flux here, see below."),
-    Line("more", "fig6", "joint 6 more than joint 7 (%)", 56.0,
+    Item("more", "fig6", "joint 6 more than joint 7 (%)", 56.0,
          "Does not come out, because joint 7 is lighter here: with 2.5 kg it would be "
          "{bullet[more_if]:.0f} %. What does: joint 6 is heavier. Random setups have "
          "{bullet[more_median]:.0f} % in the median, {bullet[more_below]:.0f} % of them less than "
          "56 %."),
-    Line("printed_more", "fig6", "the same, from the printed kilograms (%)", 56.0,
+    Item("printed_more", "fig6", "the same, from the printed kilograms (%)", 56.0,
          "3.9 / 2.5: the three printed numbers agree with each other."),
-    Line("flux_7", "fig6", "joint 7: flux at the impact (m/s)", None,
+    Item("flux_7", "fig6", "joint 7: flux at the impact (m/s)", None,
          "{bullet[wanted]:g} m/s is asked of every joint. The field as printed slows down beside "
          "its line, see fig4."),
-    Line("flux_6", "fig6", "joint 6: flux at the impact (m/s)", "the same",
+    Item("flux_6", "fig6", "joint 6: flux at the impact (m/s)", "the same",
          "As stated."),
-    Line("flux_5", "fig6", "joint 5: flux at the impact (m/s)", "the same",
+    Item("flux_5", "fig6", "joint 5: flux at the impact (m/s)", "the same",
          "Differs: joint 5 gives {bullet[most_5]:.2g} m/s at most when it moves straight along the "
          "direction at the object, a quarter of what is asked."),
-    Line("stalled_5", "fig6", "joint 5: the motion by Eq. 7 as printed", None,
+    Item("stalled_5", "fig6", "joint 5: the motion by Eq. 7 as printed", None,
          "The optimum of Eq. 14 has q_5 at its limit; the null space term pushes it on, and "
          "scaling all joints by one factor stops the arm. The default law (--law qp) arrives; "
          "joint 5's other numbers are its."),
-    Line("qp_7", "fig6", "joint 7: inertia at the impact, --law qp (kg)", None,
+    Item("qp_7", "fig6", "joint 7: inertia at the impact, --law qp (kg)", None,
          "The default law gives what Eq. 7 gives where no limit is in the way."),
-    Line("qp_6", "fig6", "joint 6: inertia at the impact, --law qp (kg)", None, "The same."),
-    Line("held_7", "fig6", "joint 7: h^T Lambda h at the impact (kg)", None,
+    Item("qp_6", "fig6", "joint 6: inertia at the impact, --law qp (kg)", None, "The same."),
+    Item("held_7", "fig6", "joint 7: h^T Lambda h at the impact (kg)", None,
          "What the authors' code computes in place of 1 / (h^T Lambda^-1 h): the inertia if the "
          "contact were held from moving sideways. It is nearer to the paper's 2.5 kg."),
-    Line("held_6", "fig6", "joint 6: h^T Lambda h at the impact (kg)", None,
+    Item("held_6", "fig6", "joint 6: h^T Lambda h at the impact (kg)", None,
          "It is further from the paper's 3.9 kg, and joint 6 would have {bullet[held_more]:.0f} % "
          "more than joint 7: this does not explain the difference."),
-    Line("rebound", "fig6", "change of the robot's speed by the impact (Eq. 11), joint 6 / joint 7",
+    Item("rebound", "fig6", "change of the robot's speed by the impact (Eq. 11), joint 6 / joint 7",
          "lower", "As stated in Section III-B: at the same flux it goes with 1 / lambda. The "
          "paper's kilograms give {bullet[printed_rebound]:.2g}."),
 )  # fmt: skip

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.dynamics.kinematics import jacobian, position
-from hitjoints.evidence.paper.rows import Line, Values
+from hitjoints.evidence.paper.claim_rows import Item, Values
 from hitjoints.evidence.paper.scenario import JOINTS, VELOCITIES, Scenario
 from hitjoints.maps.joint_sweep import sweep_joint
-from hitjoints.programs.speed import box_speed
+from hitjoints.programs.hitting_speed import box_speed
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from hitjoints.robot import Robot
+    from hitjoints.model.robot import Robot
 
 DEGREES = 180 / np.pi
 
@@ -64,39 +64,39 @@ def _moved(robot: Robot, joint: int, row: Dataset) -> float:
 
 CURVES = "Only curves are printed."
 LINES = (
-    Line("mass", "fig2", "mass of the object (kg)", 2.0, "As printed."),
-    Line("joints", "fig2", "joints of the arm", 7, "As printed."),
-    Line("inertia_7", "fig2", "joint 7: directional inertia, median over its turn (kg)", None,
+    Item("mass", "fig2", "mass of the object (kg)", 2.0, "As printed."),
+    Item("joints", "fig2", "joints of the arm", 7, "As printed."),
+    Item("inertia_7", "fig2", "joint 7: directional inertia, median over its turn (kg)", None,
          f"{CURVES} PyBullet's tensors add {{tensors[inertia_7]:.0f}} %; the phantom more than "
          "doubles it."),
-    Line("inertia_6", "fig2", "joint 6: directional inertia, median over its turn (kg)", None,
+    Item("inertia_6", "fig2", "joint 6: directional inertia, median over its turn (kg)", None,
          f"{CURVES} PyBullet's tensors add {{tensors[inertia_6]:.1f}} %."),
-    Line("inertia_5", "fig2", "joint 5: directional inertia, median over its turn (kg)", None,
+    Item("inertia_5", "fig2", "joint 5: directional inertia, median over its turn (kg)", None,
          f"{CURVES} PyBullet's tensors add {{tensors[inertia_5]:.1f}} %."),
     *(
-        Line(f"speed_{k}", "fig2", f"joint {k}: maximum hitting speed, Eq. 9 (m/s)", None,
+        Item(f"speed_{k}", "fig2", f"joint {k}: maximum hitting speed, Eq. 9 (m/s)", None,
              f"{CURVES} Kinematics alone: the same on all arms.")
         for k in JOINTS
     ),
     *(
-        Line(f"flux_{k}", "fig2", f"joint {k}: maximum hitting flux (m/s)", None, CURVES)
+        Item(f"flux_{k}", "fig2", f"joint {k}: maximum hitting flux (m/s)", None, CURVES)
         for k in JOINTS
     ),
-    Line("swing_7", "fig2", "joint 7: change of its inertia while it turns (%)", None,
+    Item("swing_7", "fig2", "joint 7: change of its inertia while it turns (%)", None,
          "Link 7 is symmetric about its axis, with PyBullet's tensors nearly so."),
-    Line("swing_6", "fig2", "joint 6: change of its inertia while it turns (%)", None,
+    Item("swing_6", "fig2", "joint 6: change of its inertia while it turns (%)", None,
          "Links 6 and 7 weigh 2.1 kg together. With the phantom joint 6's turn seems to matter "
          "nine times as much."),
-    Line("order", "fig2", "joints by their greatest flux", "6 > 7",
+    Item("order", "fig2", "joints by their greatest flux", "6 > 7",
          "Joint 6 hits harder than joint 7, as printed, with PyBullet's and the URDF's tensors; "
          "the phantom reverses it. Where joint 5 comes depends on the tensors."),
-    Line("six_to_seven", "fig2", "greatest flux, joint 6 / joint 7", "stronger",
+    Item("six_to_seven", "fig2", "greatest flux, joint 6 / joint 7", "stronger",
          "As printed; not with the phantom."),
-    Line("five_to_seven", "fig2", "greatest flux, joint 5 / joint 7", "relatively strong",
+    Item("five_to_seven", "fig2", "greatest flux, joint 5 / joint 7", "relatively strong",
          "As printed, for free motion (Eq. 9). Straight along the direction joint 5 hardly moves "
          "here, see fig6."),
     *(
-        Line(f"share_{k}", "fig2", f"joint {k}: share of the speed that becomes flux", None, remark)
+        Item(f"share_{k}", "fig2", f"joint {k}: share of the speed that becomes flux", None, remark)
         for k, remark in (
             (7, "An inertia like the object's mass leaves one half: the paper's remark that the "
              "flux is lower when they are of similar magnitude."),
@@ -104,17 +104,17 @@ LINES = (
             (5, "Its inertia is nearly six times the object's mass."),
         )
     ),
-    Line("speed_change", "fig2", "change of the maximum speed while joint k turns (m/s)",
+    Item("speed_change", "fig2", "change of the maximum speed while joint k turns (m/s)",
          "constant", "As stated: the speed of joint k does not depend on the joints from k on."),
-    Line("moved", "fig2", "motion of joint k while it turns (mm)", "constant", "As stated."),
-    Line("apart", "fig2", "greatest difference of joints 1 to 4 between the configurations (deg)",
+    Item("moved", "fig2", "motion of joint k while it turns (mm)", "constant", "As stated."),
+    Item("apart", "fig2", "greatest difference of joints 1 to 4 between the configurations (deg)",
          "close", "Not so close, although from one common configuration, the robot's home: the "
          "joints lie up to 0.3 m apart along the arm, so putting each at the object takes this "
          "much of joint {bullet[apart_joint]}."),
-    Line("authors_speed_6", "fig2", "joint 6: maximum speed with the authors' velocity limits "
+    Item("authors_speed_6", "fig2", "joint 6: maximum speed with the authors' velocity limits "
          "(m/s)", None, "The authors' simulation cuts the data sheet's limits to 0.01 rad/s: "
          "{bullet[speed_6]:.4g} m/s with ours."),
-    Line("printed_flux_6", "fig2", "joint 6: maximum flux by Eq. 10 as printed (m/s)", None,
+    Item("printed_flux_6", "fig2", "joint 6: maximum flux by Eq. 10 as printed (m/s)", None,
          "Erratum: (1 + m/lambda) v contradicts Eq. 4 and gives more flux than speed. "
          "hitjoints has v / (1 + m/lambda): {bullet[flux_6]:.3g} m/s."),
 )  # fmt: skip

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hitjoints.planning.objectives import AWAY_MARGIN
+from hitjoints.model.robot import Contact
+from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN
 from hitjoints.quantities import kernel_for
-from hitjoints.robot import Contact
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.robot import Robot
+    from hitjoints.model.robot import Robot
 
     Array = NDArray[np.float64]
 

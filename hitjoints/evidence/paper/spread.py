@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hitjoints.evidence.paper.claim_rows import Item, Values
 from hitjoints.evidence.paper.many import along_the_line, best_postures
-from hitjoints.evidence.paper.rows import Line, Values
 from hitjoints.evidence.paper.scenario import PRINTED, PRINTED_MORE
+from hitjoints.model.robot import Contact
 from hitjoints.quantities import kernel_for, place_joint
-from hitjoints.robot import Contact
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hitjoints.evidence.paper.scenario import Scenario
-    from hitjoints.robot import Robot
+    from hitjoints.model.robot import Robot
 
     Array = NDArray[np.float64]
 
@@ -138,11 +138,11 @@ def _summary(name: str, found: Array, printed: float) -> Values:
 
 
 LINES = (
-    Line("setups", "spread", "random setups in which joints 7 and 6 both hit", None,
+    Item("setups", "spread", "random setups in which joints 7 and 6 both hit", None,
          "Of {bullet[tried]} start positions around the arm: the same start and object for both "
          "joints, random arm postures, Eq. 14, within the limits, the flux within reach."),
     *(
-        Line(f"inertia_{k}_{end}", "spread", f"joint {k}: inertia at the impact, {what} (kg)",
+        Item(f"inertia_{k}_{end}", "spread", f"joint {k}: inertia at the impact, {what} (kg)",
              PRINTED[k] if end == "median" else None, remark)
         for k in PRINTED
         for end, what, remark in (
@@ -151,31 +151,31 @@ LINES = (
             ("high", "5 % of setups have more", "The printed number is one setup's."),
         )
     ),
-    Line("inertia_7_below", "spread", "joint 7: setups with less than the printed 2.5 kg (%)", None,
+    Item("inertia_7_below", "spread", "joint 7: setups with less than the printed 2.5 kg (%)", None,
          "2.5 kg is a heavy posture of joint 7, but within the range; with the phantom it is "
          "beyond it."),
-    Line("inertia_6_below", "spread", "joint 6: setups with less than the printed 3.9 kg (%)", None,
+    Item("inertia_6_below", "spread", "joint 6: setups with less than the printed 3.9 kg (%)", None,
          "3.9 kg is about what one has to expect."),
-    Line("angle_median_7", "spread", "joint 7: angle of its last link to the direction at the "
+    Item("angle_median_7", "spread", "joint 7: angle of its last link to the direction at the "
          "impact, median of setups (deg)", None, "The less the last link lies along the direction, "
          "the more the wrist alone moves joint 7 along it, and the lighter it feels."),
-    Line("angle_near_7", "spread", "the same, of setups within 10 % of the printed 2.5 kg (deg)",
+    Item("angle_near_7", "spread", "the same, of setups within 10 % of the printed 2.5 kg (deg)",
          None, "The paper's hand probably lay more along the direction than most, and than ours."),
-    Line("more_low", "spread", "joint 6 more than joint 7, 5 % of setups have less (%)", None,
+    Item("more_low", "spread", "joint 6 more than joint 7, 5 % of setups have less (%)", None,
          "The range of the setups."),
-    Line("more_median", "spread", "joint 6 more than joint 7, median of setups (%)", 56.0,
+    Item("more_median", "spread", "joint 6 more than joint 7, median of setups (%)", 56.0,
          "The printed number is one setup's; the advantage of joint 6 is usually greater."),
-    Line("more_high", "spread", "joint 6 more than joint 7, 5 % of setups have more (%)", None,
+    Item("more_high", "spread", "joint 6 more than joint 7, 5 % of setups have more (%)", None,
          "The range of the setups."),
-    Line("more_below", "spread", "joint 6 more than joint 7: setups below the printed 56 % (%)",
+    Item("more_below", "spread", "joint 6 more than joint 7: setups below the printed 56 % (%)",
          None, "56 % is within the range, on its low side."),
-    Line("less", "spread", "setups in which joint 6 has less inertia than joint 7 (%)", None,
+    Item("less", "spread", "setups in which joint 6 has less inertia than joint 7 (%)", None,
          "The paper's finding, joint 6 heavier than joint 7, is the rule. With the phantom it "
          "would fail in a quarter of the setups."),
-    Line("near_both", "spread", "setups in which both kilograms are within 10 % of the printed (%)",
+    Item("near_both", "spread", "setups in which both kilograms are within 10 % of the printed (%)",
          None, "The printed pair can occur on these tensors; it cannot with the phantom."),
     *(
-        Line(f"eq14_{end}_{k}", "spread", f"joint {k}: {end} inertia by Eq. 14 at the start of "
+        Item(f"eq14_{end}_{k}", "spread", f"joint {k}: {end} inertia by Eq. 14 at the start of "
              "fig5, over arm postures (kg)", "quite sensitive",
              "As stated: what Eq. 14 finds depends on the posture of the joints before k, which "
              "inverse kinematics leaves open.")

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.dynamics.inertia import inertia_along
-from hitjoints.hitting.hit import Hit
-from hitjoints.hitting.rollout import rollout
+from hitjoints.hit import Hit
+from hitjoints.model.robot import Contact
 from hitjoints.planning.posture import Posture, posture
 from hitjoints.quantities import place_joint
-from hitjoints.robot import Contact
+from hitjoints.rollouts.follow import rollout
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from hitjoints.evidence.paper.scenario import Scenario
     from hitjoints.hitting.controller import ReferenceName
     from hitjoints.hitting.laws import LawName
-    from hitjoints.hitting.record import Rollout
-    from hitjoints.robot import Robot
+    from hitjoints.model.robot import Robot
+    from hitjoints.rollouts.record import Rollout
 
     Array = NDArray[np.float64]
 

@@ -9,12 +9,12 @@ from collections.abc import Iterable
 from dataclasses import fields
 from typing import TYPE_CHECKING
 
-from hitjoints.evidence.paper.rows import Row
+from hitjoints.evidence.paper.claim_rows import ClaimRow
 
 if TYPE_CHECKING:
-    from hitjoints.evidence.paper.rows import Value
+    from hitjoints.evidence.paper.claim_rows import Value
 
-COLUMNS = tuple(item.name for item in fields(Row))
+COLUMNS = tuple(item.name for item in fields(ClaimRow))
 
 
 def shown(value: Value) -> str:
@@ -29,14 +29,14 @@ def shown(value: Value) -> str:
     return str(value)
 
 
-def cells(row: Row) -> list[str]:
+def cells(row: ClaimRow) -> list[str]:
     """Return the row as text: the paper's number with its own digits, ours with three."""
     paper = f"{row.paper:g}" if isinstance(row.paper, float) else shown(row.paper)
     ours = (row.iiwa14_bullet, row.iiwa14, row.iiwa14_phantom)
     return [row.figure, row.quantity, paper, *map(shown, ours), row.remark]
 
 
-def as_markdown(rows: Iterable[Row]) -> str:
+def as_markdown(rows: Iterable[ClaimRow]) -> str:
     """Return the table as Markdown."""
     lines = ["| " + " | ".join(COLUMNS) + " |", "| " + " | ".join("---" for _ in COLUMNS) + " |"]
     for row in rows:
@@ -45,7 +45,7 @@ def as_markdown(rows: Iterable[Row]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def as_csv(rows: Iterable[Row]) -> str:
+def as_csv(rows: Iterable[ClaimRow]) -> str:
     """Return the table as CSV, every digit kept."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 
-from hitjoints.loading import build_robot, describe, load_robot
-from hitjoints.robot import Robot
+from hitjoints.loading.load import build_robot, describe, load_robot
+from hitjoints.model.robot import Robot
 
 VARIANTS = ("iiwa14_bullet", "iiwa14", "iiwa14_phantom")
 PHANTOM_MASS = 1e-6

@@ -6,22 +6,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hitjoints.dynamics.impact import object_speed, rebound
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.evidence.physics.engine import engine
-from hitjoints.evidence.physics.record import Cause, Prediction, Simulation
-from hitjoints.evidence.physics.scene import Impact, is_level
+from hitjoints.evidence.physics.engine_scene import ImpactState, is_level
 from hitjoints.evidence.physics.setting import Mode, Setting, setting
+from hitjoints.evidence.physics.simulated_hit import Cause, Prediction, Simulation
 from hitjoints.evidence.physics.slide import LONGEST, slide
 from hitjoints.evidence.physics.strike import strike
-from hitjoints.hitting.rollout import rollout
+from hitjoints.impact.collision import object_speed, rebound
+from hitjoints.rollouts.follow import rollout
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.hitting.hit import Hit
-    from hitjoints.hitting.record import Rollout
-    from hitjoints.robot import Robot
+    from hitjoints.hit import Hit
+    from hitjoints.model.robot import Robot
+    from hitjoints.rollouts.record import Rollout
 
     Array = NDArray[np.float64]
 
@@ -101,7 +101,7 @@ def simulate(
     if predicted.travel is not None and 2 * predicted.travel > LONGEST * predicted.object_speed:
         expected = f"the box would slide for more than {LONGEST:g} s; 0 leaves the travel out"
         raise InputError("friction", friction, expected)
-    servos = Reference(motion)
+    servos = ServoReference(motion)
     # Servos may push the box again, which they could not while nothing slows it down.
     pushes = how.on_table and how.servo_gain > 0
     result = strike(robot, impact, how, servos, servos.rest if pushes else 0.0)
@@ -118,7 +118,7 @@ def simulate(
     return Simulation(motion, mode, how, impact, predicted, result, slid, causes)
 
 
-class Reference:
+class ServoReference:
     """What the servos follow: the rollout, which slows the arm down after the impact.
 
     Attributes:
@@ -135,12 +135,12 @@ class Reference:
         return np.asarray(self._qd[row] if row < len(self._qd) else np.zeros_like(self._qd[0]))
 
 
-def impact_of(motion: Rollout) -> Impact:
+def impact_of(motion: Rollout) -> ImpactState:
     """Return the state in which a rollout that is a hit touches the object."""
     robot, hit = motion.robot, motion.hit
     assert motion.impact is not None
     at = motion.impact
-    return Impact(
+    return ImpactState(
         robot.contact(hit.contact),
         hit.direction,
         hit.mass,

@@ -9,12 +9,12 @@ import numpy as np
 
 from hitjoints.errors import SolverError
 from hitjoints.evidence.physics.engine import engine
-from hitjoints.evidence.physics.scene import add_box, add_table, set_options
+from hitjoints.evidence.physics.engine_scene import add_box, add_table, set_options
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.evidence.physics.scene import Impact
+    from hitjoints.evidence.physics.engine_scene import ImpactState
     from hitjoints.evidence.physics.setting import Setting
 
     Array = NDArray[np.float64]
@@ -41,7 +41,7 @@ class Slide:
     rows: dict[str, Array] = field(repr=False)
 
 
-def slide(impact: Impact, setting: Setting, qpos: Array, qvel: Array) -> Slide:
+def slide(impact: ImpactState, setting: Setting, qpos: Array, qvel: Array) -> Slide:
     """Let the box slide until it rests. The arm is not there any more.
 
     Args:

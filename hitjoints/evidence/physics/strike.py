@@ -11,13 +11,13 @@ import numpy as np
 
 from hitjoints.errors import SolverError
 from hitjoints.evidence.physics.engine import engine
-from hitjoints.evidence.physics.scene import Impact, build_scene
+from hitjoints.evidence.physics.engine_scene import ImpactState, build_scene
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hitjoints.evidence.physics.setting import Setting
-    from hitjoints.robot import Robot
+    from hitjoints.model.robot import Robot
 
     Array = NDArray[np.float64]
     Reference = Callable[[float], Array]
@@ -55,7 +55,7 @@ class Strike:
 
 
 def strike(
-    robot: Robot, impact: Impact, setting: Setting, reference: Reference, follow: float = 0.0
+    robot: Robot, impact: ImpactState, setting: Setting, reference: Reference, follow: float = 0.0
 ) -> Strike:
     """Let the arm hit the box, and follow both until they part.
 
@@ -91,11 +91,13 @@ def strike(
         contact_time=parting.time - touch,
         contacts=bout.contacts,
         box=bout.pose,
-        rows={name: np.array([getattr(row, name) for row in bout.rows]) for name in Row._fields},
+        rows={
+            name: np.array([getattr(row, name) for row in bout.rows]) for name in StrikeRow._fields
+        },
     )
 
 
-class Row(NamedTuple):
+class StrikeRow(NamedTuple):
     """A moment: s; m/s along the hitting direction; N; (n,) rad; (3,) m; (4,)."""
 
     time: float
@@ -111,7 +113,7 @@ class _Bout:
     """A running simulation; what is read in a row belongs to one moment."""
 
     def __init__(
-        self, robot: Robot, impact: Impact, setting: Setting, reference: Reference
+        self, robot: Robot, impact: ImpactState, setting: Setting, reference: Reference
     ) -> None:
         self.mujoco = engine()
         kind = self.mujoco.mjtObj
@@ -123,11 +125,11 @@ class _Bout:
         self.box = kind.mjOBJ_BODY, self.model.body("box").id
         self.shape = self.model.geom("contact").id
         self.contacts, self._touched, self._apart = 0, -math.inf, setting.contact_time
-        self.rows: list[Row] = []
+        self.rows: list[StrikeRow] = []
         self._evaluate()
 
     @property
-    def now(self) -> Row:
+    def now(self) -> StrikeRow:
         """The latest row."""
         return self.rows[-1]
 
@@ -159,7 +161,7 @@ class _Bout:
         speeds = self.speed_of(self.point), self.speed_of(self.box)
         state = data.qpos.copy()
         parts = state[: self.n], state[self.n : self.n + 3], state[self.n + 3 :]
-        self.rows.append(Row(data.time, *speeds, self._force(), *parts))
+        self.rows.append(StrikeRow(data.time, *speeds, self._force(), *parts))
 
     def _force(self) -> float:
         """Return the force between arm and box along the contact's normal, N."""

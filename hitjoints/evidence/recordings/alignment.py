@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from hitjoints.dynamics.kinematics import position
-from hitjoints.evidence.recordings.table import RecordingError
-from hitjoints.loading import load_robot, robot_names
-from hitjoints.robot import Contact
+from hitjoints.evidence.recordings.csv_table import RecordingError
+from hitjoints.loading.load import load_robot, robot_names
+from hitjoints.model.robot import Contact
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.robot import Robot
+    from hitjoints.model.robot import Robot
 
     Array = NDArray[np.float64]
 

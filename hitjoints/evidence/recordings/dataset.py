@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.maps.describe import PACKAGES
+from hitjoints.datasets.describe import PACKAGES
 from hitjoints.version import __version__
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from hitjoints.evidence.recordings.hit import ReplayedHit
+    from hitjoints.evidence.recordings.replayed_hit import ReplayedHit
 
 TEXTS = {
     "file": "robot's file",

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from hitjoints.evidence.recordings.table import RecordingError
+from hitjoints.evidence.recordings.csv_table import RecordingError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -10,7 +10,7 @@ import numpy as np
 
 from hitjoints.evidence.recordings import fits
 from hitjoints.evidence.recordings.contact import REST_ROWS
-from hitjoints.evidence.recordings.table import RecordingError
+from hitjoints.evidence.recordings.csv_table import RecordingError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

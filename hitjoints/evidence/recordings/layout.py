@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hitjoints.evidence.recordings.table import TIME, RecordingError, Table, read_table
+from hitjoints.evidence.recordings.csv_table import TIME, RecordingError, Table, read_table
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from hitjoints.dynamics.impact import hitting_flux
 from hitjoints.evidence.recordings import fits
 from hitjoints.evidence.recordings.alignment import SAME_ROBOT
 from hitjoints.evidence.recordings.contact import NotHitError, Touch, from_object, from_robot
-from hitjoints.evidence.recordings.files import Found
+from hitjoints.evidence.recordings.csv_table import RecordingError
 from hitjoints.evidence.recordings.glide import GRAVITY, measure_glide
-from hitjoints.evidence.recordings.hit import ReplayedHit, Series
+from hitjoints.evidence.recordings.hit_files import FoundFiles
 from hitjoints.evidence.recordings.layout import ObjectRecording, RobotRecording, read_object
-from hitjoints.evidence.recordings.motion import Motion
-from hitjoints.evidence.recordings.table import RecordingError
+from hitjoints.evidence.recordings.motion import RecordedMotion
+from hitjoints.evidence.recordings.replayed_hit import ReplayedHit, Series
+from hitjoints.impact.collision import hitting_flux
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -45,7 +45,11 @@ class Blow(NamedTuple):
 
 
 def measure(
-    found: Found, recording: RobotRecording, motion: Motion, robot: str, mass: float | None
+    found: FoundFiles,
+    recording: RobotRecording,
+    motion: RecordedMotion,
+    robot: str,
+    mass: float | None,
 ) -> ReplayedHit:
     """Measure one hit; the prediction is added when all are measured.
 
@@ -125,7 +129,7 @@ def predict(hits: list[ReplayedHit], restitution: float | None) -> tuple[Replaye
     return tuple(predicted)
 
 
-def _track(found: Found, notes: list[str]) -> ObjectRecording | None:
+def _track(found: FoundFiles, notes: list[str]) -> ObjectRecording | None:
     if found.object_file is None:
         notes.append(f"no object quantities: {found.no_object}")
         return None
@@ -139,7 +143,10 @@ def _track(found: Found, notes: list[str]) -> ObjectRecording | None:
 
 
 def _touch(
-    recording: RobotRecording, motion: Motion, track: ObjectRecording | None, notes: list[str]
+    recording: RobotRecording,
+    motion: RecordedMotion,
+    track: ObjectRecording | None,
+    notes: list[str],
 ) -> Touch:
     """Return the first touch by the object's motion, or else by the robot's."""
     why = ""
@@ -157,7 +164,7 @@ def _touch(
         raise RecordingError(f"{why}{error}") from None
 
 
-def _mass(motion: Motion, mass: float | None) -> tuple[float, str]:
+def _mass(motion: RecordedMotion, mass: float | None) -> tuple[float, str]:
     """Return the object's mass: given, implied by the recorded flux, or the default."""
     if mass is not None:
         return mass, "given"
@@ -172,7 +179,7 @@ def _mass(motion: Motion, mass: float | None) -> tuple[float, str]:
     return DEFAULT_MASS, "default"
 
 
-def _recorded(motion: Motion, blow: Blow, notes: list[str]) -> dict[str, Any]:
+def _recorded(motion: RecordedMotion, blow: Blow, notes: list[str]) -> dict[str, Any]:
     """Return the recorder's own quantities at the contact, and whether they agree among them."""
     found: dict[str, Any] = {}
     inertia, rows = motion.recorded_inertia, motion.recorded
@@ -192,7 +199,7 @@ def _recorded(motion: Motion, blow: Blow, notes: list[str]) -> dict[str, Any]:
     return found
 
 
-def _doubts(motion: Motion, flux_error: float | None, mass: float) -> list[str]:
+def _doubts(motion: RecordedMotion, flux_error: float | None, mass: float) -> list[str]:
     """Return what does not agree with itself, although the recording is this robot's."""
     doubts, lag, velocity = [], motion.lag, motion.velocity_error
     if lag is not None and lag.greatest > SAME_ROBOT:
@@ -208,7 +215,7 @@ def _doubts(motion: Motion, flux_error: float | None, mass: float) -> list[str]:
 
 
 def _after(
-    motion: Motion, track: ObjectRecording | None, blow: Blow, notes: list[str]
+    motion: RecordedMotion, track: ObjectRecording | None, blow: Blow, notes: list[str]
 ) -> dict[str, Any]:
     """Return what is measured after the contact, and what follows from it."""
     found: dict[str, Any] = {}
@@ -248,7 +255,7 @@ def _after(
     return found
 
 
-def _series(motion: Motion, now: float) -> Series:
+def _series(motion: RecordedMotion, now: float) -> Series:
     recorded = np.full(len(motion.inertia), np.nan)
     inertia = motion.recorded_inertia
     if inertia is not None:

@@ -8,20 +8,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.evidence.recordings.alignment import Lag, find_lag, refuse_another_robot
-from hitjoints.evidence.recordings.table import RecordingError
+from hitjoints.evidence.recordings.csv_table import RecordingError
 from hitjoints.quantities import kernel_for
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hitjoints.evidence.recordings.layout import Clock, RobotRecording
-    from hitjoints.robot import Contact, Robot
+    from hitjoints.model.robot import Contact, Robot
 
     Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class RecordedMotion:
     """A robot's recording with the model's quantities, row by row.
 
     Attributes:
@@ -63,7 +63,7 @@ class Motion:
 
 def model_along(
     recording: RobotRecording, robot: Robot, tool: Contact, direction: Array | None
-) -> Motion:
+) -> RecordedMotion:
     """Compute the model along a recording.
 
     Args:
@@ -92,7 +92,7 @@ def model_along(
     if "EEF_Velocity" in recorded:
         apart = velocity[: len(q) - shift] - recorded["EEF_Velocity"]
         error = float(np.linalg.norm(apart, axis=1).max())
-    return Motion(
+    return RecordedMotion(
         recording.clock,
         h,
         felt["inertia"][0],

@@ -1,0 +1,90 @@
+"""Where each public name lives: the one list of them. Loaded on first use."""
+
+from .dynamics.inertia import inverse_inertia as inverse_inertia
+from .dynamics.kinematics import (
+    FeasibleDirections as FeasibleDirections,
+)
+from .dynamics.kinematics import (
+    feasible_directions as feasible_directions,
+)
+from .dynamics.kinematics import (
+    jacobian as jacobian,
+)
+from .dynamics.kinematics import (
+    manipulability as manipulability,
+)
+from .dynamics.kinematics import (
+    position as position,
+)
+from .errors import (
+    HitjointsError as HitjointsError,
+)
+from .errors import (
+    InfeasibleError as InfeasibleError,
+)
+from .errors import (
+    InputError as InputError,
+)
+from .errors import (
+    ModelError as ModelError,
+)
+from .errors import (
+    SolverError as SolverError,
+)
+from .evidence.paper.reproduction import reproduce as reproduce
+from .evidence.physics.simulation import simulate as simulate
+from .evidence.recordings.replayer import replay as replay
+from .hitting.controller import Controller as Controller
+from .hitting.flux_hit import Hit as Hit
+from .impact.collision import (
+    hitting_flux as hitting_flux,
+)
+from .impact.collision import (
+    object_speed as object_speed,
+)
+from .impact.collision import (
+    rebound as rebound,
+)
+from .impact.collision import (
+    required_speed as required_speed,
+)
+from .loading.load import (
+    ModelWarning as ModelWarning,
+)
+from .loading.load import (
+    load_robot as load_robot,
+)
+from .loading.load import (
+    robot_names as robot_names,
+)
+from .maps.joint_sweep import sweep_joint as sweep_joint
+from .maps.workspace import open_map as open_map
+from .maps.workspace import sweep_workspace as sweep_workspace
+from .model.robot import Contact as Contact
+from .model.robot import Robot as Robot
+from .planning.learning.feasibility import (
+    learn_feasibility as learn_feasibility,
+)
+from .planning.learning.feasibility import (
+    load_feasibility as load_feasibility,
+)
+from .planning.planner import plan as plan
+from .planning.posture import posture as posture
+from .planning.room.clearance import clearance as clearance
+from .planning.room.surroundings import Surroundings as Surroundings
+from .planning.start import plan_start as plan_start
+from .quantities import (
+    directional_inertia as directional_inertia,
+)
+from .quantities import (
+    directional_inertia_gradient as directional_inertia_gradient,
+)
+from .quantities import (
+    hitting_speed as hitting_speed,
+)
+from .quantities import (
+    place_joint as place_joint,
+)
+from .rollouts.follow import rollout as rollout
+from .show.viewer import view as view
+from .version import __version__ as __version__

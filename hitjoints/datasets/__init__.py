@@ -1,0 +1,1 @@
+"""Results as xarray data sets: units, origin, files."""

@@ -1,0 +1,62 @@
+"""Units, long names and provenance of the variables of a data set: one vocabulary (CF style)."""
+
+from __future__ import annotations
+
+from importlib import metadata
+from typing import TYPE_CHECKING, Any
+
+from hitjoints.version import __version__
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+    from hitjoints.model.robot import Robot
+
+UNITS = {
+    "angle": ("rad", "position of the hitting joint"),
+    "inertia": ("kg", "directional inertia along the hitting direction"),
+    "inertia_min": ("kg", "least directional inertia over the samples"),
+    "inertia_median": ("kg", "median directional inertia over the samples"),
+    "inertia_max": ("kg", "greatest directional inertia over the samples"),
+    "speed": ("m/s", "maximum hitting speed"),
+    "speed_max": ("m/s", "greatest maximum hitting speed over the samples"),
+    "straight_speed": ("m/s", "maximum hitting speed without sideways motion"),
+    "flux": ("m/s", "maximum hitting flux"),
+    "flux_median": ("m/s", "median of the maximum hitting flux over the samples"),
+    "straight_flux": ("m/s", "maximum hitting flux without sideways motion"),
+    "away": ("1", "the links beyond the joint can point away from the object (Eq. 14)"),
+    "away_flux": ("m/s", "greatest hitting flux with the links beyond pointing away"),
+    "reachable": ("1", "share of the samples that place the joint at the position"),
+    "position_error": ("m", "distance from the joint to the position"),
+    "q": ("rad", "joint positions (m for a prismatic joint)"),
+    "joint": ("1", "hitting joint, counted from 1"),
+    "direction": ("1", "index of the hitting direction"),
+    "direction_vector": ("1", "unit vector of the hitting direction, robot base frame"),
+    "axis": ("1", "joint of the arm, counted from 1"),
+    "x": ("m", "object position along x, robot base frame"),
+    "y": ("m", "object position along y, robot base frame"),
+    "z": ("m", "object position along z, robot base frame"),
+    "done": ("1", "the block has been computed"),
+}
+PACKAGES = ("pin", "numpy")
+
+
+def origin(robot: Robot) -> dict[str, Any]:
+    """Return what a data set's numbers hang on: the robot and the versions."""
+    versions = ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES)
+    return {
+        "Conventions": "CF-1.11",
+        "title": f"hitjoints: {robot.title}",
+        "source": f"hitjoints {__version__} ({versions})",
+        "robot": robot.name,
+        "robot_digest": robot.digest,
+    }
+
+
+def described(dataset: Dataset, robot: Robot, **parameters: Any) -> Dataset:
+    """Return the data set with units on its variables and its origin in its attributes."""
+    for name, variable in dataset.variables.items():
+        unit, long_name = UNITS[str(name)]
+        variable.attrs = {"units": unit, "long_name": long_name}
+    dataset.attrs = origin(robot) | parameters
+    return dataset

@@ -1,0 +1,166 @@
+"""Recorded hits beside the model: one, a folder, or thousands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hitjoints.errors import HitjointsError, InputError
+from hitjoints.evidence.recordings.hit_files import EXAMPLES, ROBOT_FILE, FoundFiles, find
+from hitjoints.evidence.recordings.layout import read_robot
+from hitjoints.evidence.recordings.measure import measure, predict
+from hitjoints.evidence.recordings.motion import model_along
+from hitjoints.evidence.recordings.replayed_hit import ReplayedHit
+from hitjoints.loading.load import load_robot, robot_names
+from hitjoints.model.robot import Contact, Robot
+from hitjoints.vectors import unit
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+    from xarray import Dataset
+
+    Array = NDArray[np.float64]
+
+TOOL = (0.0, 0.0, 0.15)
+"""m: the point that hits in the public data set, in the last joint's frame."""
+
+KNOWN = {"IIWA_7": ("iiwa7", (0.0, 1.0, 0.0)), "IIWA_14": ("iiwa14", (0.0, -1.0, 0.0))}
+"""The recorder's names: the robot, and the direction it hits in."""
+
+USUAL = "iiwa14"
+
+REMARKS = {
+    "restitution": "object_speed / flux - 1; the robot pushes on during the contact, so it may "
+    "exceed that of the materials, even 1",
+    "recorded_inertia": "of the recorder's own model, which carried an inertia at the flange that "
+    "the arm does not have: not to be compared in kilograms",
+    "momentum_mass": "mass object_speed / (robot_speed - robot_speed_after) exceeds the inertia, "
+    "often severalfold, because the robot pushes on and its speed is filtered: no validation",
+    "predicted_object_speed": "(1 + assumed_restitution) flux",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Replay:
+    """Recorded hits beside the model: `hits`, one per robot's file, in the order of the files."""
+
+    hits: tuple[ReplayedHit, ...]
+
+    @property
+    def usable(self) -> tuple[ReplayedHit, ...]:
+        """The hits that are ok."""
+        return tuple(hit for hit in self.hits if hit.ok)
+
+    @cached_property
+    def dataset(self) -> Dataset:
+        """All hits, with inertia, gradient and speed along each motion."""
+        from hitjoints.evidence.recordings.dataset import hits_dataset
+
+        return hits_dataset(self.hits)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the result as JSON knows it."""
+        return {
+            "hits": [hit.as_dict() for hit in self.hits],
+            "files": len(self.hits),
+            "usable": len(self.usable),
+            "remarks": REMARKS,
+        }
+
+
+def replay(
+    paths: str | Path | Iterable[str | Path] | None = None,
+    *,
+    robot: Robot | str | Path | None = None,
+    direction: ArrayLike | None = None,
+    mass: float | None = None,
+    offset: Sequence[float] = TOOL,
+    restitution: float | None = None,
+    progress: Callable[[int, int], object] | None = None,
+) -> Replay:
+    """Compare recorded hits with the model.
+
+    Args:
+        paths: robots' files (`..._hit_N.csv`, with `object_M_hit_N.csv` beside them), and folders,
+            which are searched with the folders in them. None: four hits that come with hitjoints.
+        robot: the arm; None: as each file says.
+        direction: (3,) hitting direction; None: +y for the iiwa 7, -y for the iiwa 14, as they are
+            recorded, else the axis nearest to the tool's velocity when it is fastest.
+        mass: kg, of the object; None: what the recorded flux implies, else 0.4.
+        offset: (3,) m, of the point that hits, in the last joint's frame.
+        restitution: of the predicted object speed; None: the median of the other hits.
+        progress: called with the number of files done, and of all.
+
+    Returns:
+        The hits, one per robot's file. A file that cannot be used has `ok` False and a `reason`.
+
+    Raises:
+        InputError: an argument cannot be used.
+        ModelError: the robot cannot be loaded.
+    """
+    if mass is not None and not (np.isfinite(mass) and mass > 0):
+        raise InputError("mass", mass, "an object weighs more than 0 kg")
+    if restitution is not None and not 0 <= restitution <= 1:
+        raise InputError("restitution", restitution, "it must lie from 0 to 1")
+    h = None if direction is None else unit(direction)
+    if h is not None and h.ndim != 1:
+        raise InputError("direction", direction, "one direction x,y,z")
+    reader = _Reader(robot, h, mass, Contact(1, tuple(offset)).offset)  # type: ignore[arg-type]
+    asked = EXAMPLES if paths is None else paths
+    found = find([Path(asked)] if isinstance(asked, (str, Path)) else map(Path, asked))
+    hits = []
+    for count, files in enumerate(found, start=1):
+        hits.append(reader.hit(files))
+        if progress is not None:
+            progress(count, len(found))
+    return Replay(predict(hits, restitution))
+
+
+class _Reader:
+    """Reads and measures one recording after another, with the robots loaded once."""
+
+    def __init__(
+        self,
+        robot: Robot | str | Path | None,
+        direction: Array | None,
+        mass: float | None,
+        offset: tuple[float, float, float],
+    ) -> None:
+        self.direction, self.mass, self.offset = direction, mass, offset
+        self.given = (
+            None if robot is None else robot if isinstance(robot, Robot) else load_robot(robot)
+        )
+        self.robots: dict[str, Robot] = {}
+
+    def hit(self, found: FoundFiles) -> ReplayedHit:
+        """Return what is in a file; problems end in the result."""
+        name = None if self.given is None else self.given.name
+        if found.problem:
+            return ReplayedHit(str(found.file), name, reason=found.problem)
+        try:
+            recording = read_robot(found.file)
+            title = recording.name or _named_by(found.file)
+            known, along = KNOWN.get(title, (title.lower(), None))
+            robot = self.given or self._robot(known)
+            name = robot.name
+            h = self.direction if self.direction is not None else along
+            tool = Contact(robot.n, self.offset)
+            motion = model_along(recording, robot, tool, None if h is None else np.array(h))
+            return measure(found, recording, motion, name, self.mass)
+        except HitjointsError as error:
+            return ReplayedHit(str(found.file), name, reason=str(error))
+
+    def _robot(self, name: str) -> Robot:
+        if name not in self.robots:
+            self.robots[name] = load_robot(name if name in robot_names() else USUAL)
+        return self.robots[name]
+
+
+def _named_by(file: Path) -> str:
+    match = ROBOT_FILE.fullmatch(file.name)
+    return match["robot"] if match else ""

@@ -1,0 +1,1 @@
+"""What happens at the impact: Eq. 1-4, 10, 11."""

@@ -1,0 +1,1 @@
+"""The maths of an arm, written once over abstract numbers."""

@@ -1,0 +1,174 @@
+"""What a kernel can compute, written once over abstract numbers and recorded as a program."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from hitjoints.errors import InputError
+from hitjoints.kernels.formulas.chain import Chain, Triple
+from hitjoints.kernels.formulas.links import TracedArm
+from hitjoints.kernels.formulas.mass_matrix import (
+    Factor,
+    mass_matrix,
+    mobility_gradient,
+    twice_kinetic_energy,
+)
+from hitjoints.kernels.formulas.speeds import Box, lateral, straight_support, support
+from hitjoints.kernels.tape.trace import Scalar, Tape, Tracer, Vector, maximum, where_less
+from hitjoints.tolerances import MOBILITY_FLOOR
+
+Attachment = tuple[int, Triple]
+
+
+class HitFormulas:
+    """One contact hitting along h: every quantity as formulas, in the units of the outputs.
+
+    Args:
+        arm: the arm at q.
+        factor: U D U^T of its mass matrix.
+        contact: last joint that moves the contact (1-based, 0: none) and the place in its link's
+            frame.
+        h: unit direction (world).
+        mass: object's mass (kg).
+    """
+
+    def __init__(
+        self, arm: TracedArm, factor: Factor, contact: Attachment, h: Vector, mass: Scalar
+    ) -> None:
+        self.arm, self.h, self.mass = arm, h, mass
+        last, self.point = contact
+        self.last = last - 1
+        self.directions = arm.in_links(h)
+        self.reaches = arm.reaches(self.last, self.point) if last else []
+        self.g = arm.row(self.reaches, self.directions)
+        self.y = factor.reduce(self.g)
+        self.factor = factor
+        self.mobility_value = factor.mobility(self.y)
+        self.box: Box = [(link.slowest, link.fastest) for link in arm.links]
+
+    def if_feasible(self, value: Scalar, otherwise: float) -> Scalar:
+        """The value, or its limit when the contact cannot move along h."""
+        return where_less(self.mobility_value, MOBILITY_FLOOR, otherwise, value)
+
+    def mobility(self) -> list[Scalar]:
+        """h^T J M^-1 J^T h (1/kg)."""
+        return [self.mobility_value]
+
+    def response(self) -> list[Scalar]:
+        """Joint speeds after a unit impulse along h, M^-1 J^T h, (n,) (rad/s per N s)."""
+        return self.factor.velocity(self.y)
+
+    def mobility_gradient(self) -> list[Scalar]:
+        """Its derivative with respect to q, (n,) (1/(kg rad))."""
+        return mobility_gradient(self.arm, self.reaches, self.directions, self.response())
+
+    def finite_inertia(self) -> Scalar:
+        """1 / mobility, capped so that it stays finite."""
+        return 1.0 / maximum(self.mobility_value, MOBILITY_FLOOR)
+
+    def inertia(self) -> list[Scalar]:
+        """Directional inertia 1 / (h^T J M^-1 J^T h) (kg), infinite when infeasible."""
+        return [self.if_feasible(self.finite_inertia(), math.inf)]
+
+    def gradient(self) -> list[Scalar]:
+        """Its derivative with respect to q, (n,) (kg/rad), nan when infeasible."""
+        scale = -(self.finite_inertia() * self.finite_inertia())
+        return [self.if_feasible(scale * d, math.nan) for d in self.mobility_gradient()]
+
+    def speed(self) -> list[Scalar]:
+        """Largest speed along h in the joint speed limits (m/s), Eq. 9."""
+        return [self.if_feasible(support(self.g, self.box), 0.0)]
+
+    def straight_speed(self) -> list[Scalar]:
+        """The same for motion exactly along h (m/s)."""
+        across = tuple(self.arm.row(self.reaches, self.arm.in_links(a)) for a in lateral(self.h))
+        fastest = straight_support(self.g, (across[0], across[1]), self.box)
+        return [self.if_feasible(fastest, 0.0)]
+
+    def flux(self) -> list[Scalar]:
+        """Largest hitting flux lambda / (lambda + m) v (m/s), Eq. 10 as corrected."""
+        return [self.speed()[0] / (1.0 + self.mass * self.mobility_value)]
+
+    def straight_flux(self) -> list[Scalar]:
+        """The same for motion exactly along h (m/s)."""
+        return [self.straight_speed()[0] / (1.0 + self.mass * self.mobility_value)]
+
+    def position(self) -> list[Scalar]:
+        """World position of the contact, (3,) (m)."""
+        return list(self.arm.position(self.last, self.point))
+
+    def jacobian(self) -> list[Scalar]:
+        """World-aligned translational Jacobian of the contact, (3, n) row by row (m/rad)."""
+        arm = self.arm
+        columns = [arm.in_world(arm.inward(0, c)) for c in arm.columns(self.reaches)]
+        columns += [(0.0, 0.0, 0.0)] * (len(arm.links) - len(columns))
+        return [column[axis] for axis in range(3) for column in columns]
+
+
+OUTPUT_SHAPES = {
+    "inertia": "",
+    "gradient": "n",
+    "speed": "",
+    "straight_speed": "",
+    "flux": "",
+    "straight_flux": "",
+    "position": "3",
+    "jacobian": "3n",
+    "mobility": "",
+    "mobility_gradient": "n",
+    "response": "n",
+}
+"""Every output and the axes it has beside contact and row."""
+
+FASTEST = frozenset({"speed", "straight_speed", "flux", "straight_flux"})
+"""Outputs that need joint speed limits."""
+
+
+def record(chain: Chain, contacts: Sequence[Attachment], outputs: Sequence[str]) -> Tape:
+    """Record the outputs of all contacts as one program.
+
+    Its inputs are q (n), the direction (3) and the object's mass; its outputs are grouped by
+    output, then by contact, then by component.
+
+    Args:
+        chain: the arm.
+        contacts: as `Chain.attach` returns them.
+        outputs: names from `OUTPUT_SHAPES`.
+
+    Raises:
+        InputError: an output needs a joint speed limit that the model does not have.
+    """
+    if FASTEST.intersection(outputs) and any(
+        math.isinf(limit) for link in chain.links for limit in (link.slowest, link.fastest)
+    ):
+        raise InputError("outputs", tuple(outputs), "speeds need a velocity limit for every joint")
+    n = chain.size
+    tracer = Tracer(n + 4)
+    h = tracer.inputs[n], tracer.inputs[n + 1], tracer.inputs[n + 2]
+    arm = TracedArm(chain, tracer.inputs[:n])
+    factor = Factor(mass_matrix(arm))
+    hits = [HitFormulas(arm, factor, contact, h, tracer.inputs[n + 3]) for contact in contacts]
+    results = [value for name in outputs for hit in hits for value in getattr(hit, name)()]
+    return tracer.program(results)
+
+
+def record_variation(chain: Chain, contact: Attachment) -> Tape:
+    """Record 2 g . u - u^T M u and its derivative with respect to q, for a given u.
+
+    For every u it is at most the mobility g^T M^-1 g, and at u = M^-1 g it is the mobility: a lower
+    bound that needs no factor of M. Inputs: q (n), direction (3), u (n); outputs: the value, its
+    derivative (n).
+    """
+    n = chain.size
+    tracer = Tracer(2 * n + 3)
+    h = tracer.inputs[n], tracer.inputs[n + 1], tracer.inputs[n + 2]
+    arm = TracedArm(chain, tracer.inputs[:n])
+    u: list[Scalar] = list(tracer.inputs[n + 3 :])
+    last, point = contact
+    directions, reaches = arm.in_links(h), arm.reaches(last - 1, point) if last else []
+    speed: Scalar = 0.0
+    for value, joint_speed in zip(arm.row(reaches, directions), u, strict=True):
+        speed = speed + value * joint_speed
+    value = 2.0 * speed - twice_kinetic_energy(arm, u)
+    return tracer.program([value, *mobility_gradient(arm, reaches, directions, u)])

@@ -1,0 +1,67 @@
+"""Random configurations from counters: row, seed, attempt and joint give the number, nothing else
+does.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from hitjoints.kernels.formulas.chain import Chain
+from hitjoints.kernels.tape.rows import over_rows
+
+GOLDEN = 0x9E3779B97F4A7C15
+MASK = (1 << 64) - 1
+BLOCK = 8192
+
+Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+def random_starts(
+    chain: Chain,
+    rows: np.ndarray[Any, np.dtype[np.integer[Any]]],
+    seed: int,
+    attempt: int,
+    threads: int | None,
+) -> Array:
+    """Uniform configurations (n, N) within the position limits, +-pi for an unbounded joint."""
+    n = chain.size
+    low = [-math.pi if math.isinf(link.lower) else link.lower for link in chain.links]
+    high = [math.pi if math.isinf(link.upper) else link.upper for link in chain.links]
+    keys = [mix(mix(mix(seed & MASK) + attempt) + joint) for joint in range(n)]
+    counters = rows.astype(np.uint64)
+    q = np.empty((n, len(rows)))
+
+    def fill(start: int, stop: int) -> None:
+        for a in range(start, stop, BLOCK):
+            block = counters[a : min(a + BLOCK, stop)] * np.uint64(GOLDEN)
+            for joint in range(n):
+                unit = _unit(block + np.uint64(keys[joint]))
+                unit *= high[joint] - low[joint]
+                unit += low[joint]
+                link = chain.links[joint]
+                np.clip(unit, link.lower, link.upper, out=q[joint, a : a + len(block)])
+
+    over_rows(fill, len(rows), threads)
+    return q
+
+
+def mix(z: int) -> int:
+    """The finaliser of splitmix64 on one integer."""
+    z = (z + GOLDEN) & MASK
+    z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & MASK
+    z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & MASK
+    return z ^ (z >> 31)
+
+
+def _unit(z: np.ndarray[Any, np.dtype[np.uint64]]) -> Array:
+    """The same finaliser on an array, which it overwrites, as doubles in [0, 1)."""
+    z ^= z >> np.uint64(30)
+    z *= np.uint64(0xBF58476D1CE4E5B9)
+    z ^= z >> np.uint64(27)
+    z *= np.uint64(0x94D049BB133111EB)
+    z ^= z >> np.uint64(31)
+    z >>= np.uint64(11)
+    return np.asarray(z * 2.0**-53, dtype=np.float64)

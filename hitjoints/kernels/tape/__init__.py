@@ -1,0 +1,1 @@
+"""Formulas recorded as straight-line programs, and what runs them."""

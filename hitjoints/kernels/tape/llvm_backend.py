@@ -1,0 +1,78 @@
+"""Compile a program for this CPU with LLVM and run it on rows."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+from typing import Any
+
+import llvmlite.binding as llvm
+import numpy as np
+
+from hitjoints.kernels.tape.llvm_text import run_function
+from hitjoints.kernels.tape.trace import Tape
+
+Array = np.ndarray[Any, np.dtype[np.float64]]
+
+SIGNATURE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 3, *[ctypes.c_int64] * 4)
+
+
+@functools.cache
+def host() -> tuple[Any, str, str]:
+    """Target, CPU name and features of this machine."""
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    features = llvm.get_host_cpu_features()
+    return llvm.Target.from_default_triple(), llvm.get_host_cpu_name(), features.flatten()
+
+
+def host_lanes() -> int:
+    """Doubles per vector register."""
+    features = host()[2].split(",")
+    return 8 if "+avx512f" in features else 4 if "+avx2" in features else 2
+
+
+def compile_function(text: str, signature: Any) -> tuple[Any, Any]:
+    """Compile IR with a function `run`; returns it and the engine that must outlive it."""
+    target, cpu, features = host()
+    machine = target.create_target_machine(cpu=cpu, features=features, opt=2)
+    module = llvm.parse_assembly(text)
+    engine = llvm.create_mcjit_compiler(module, machine)
+    engine.finalize_object()
+    return signature(engine.get_function_address("run")), (engine, module, machine)
+
+
+class LlvmProgram:
+    """A program compiled for rows.
+
+    Args:
+        program: what to run.
+        rows_only: this many inputs always differ per row.
+        states: outputs fed back as inputs, see `run_function`.
+    """
+
+    def __init__(self, program: Tape, rows_only: int, states: int = 0) -> None:
+        self.program = program
+        self.lanes = host_lanes()
+        text = run_function(program, self.lanes, rows_only, states)
+        self.function, self.keep = compile_function(text, SIGNATURE)
+
+    def __call__(
+        self, inputs: list[Array], out: Array, start: int, stop: int, iterations: int = 1
+    ) -> None:
+        """Evaluate rows start..stop.
+
+        Args:
+            inputs: per input (N,) values, any strides, or (1,) for one value shared by all rows.
+            out: (outputs, N), filled, C-contiguous, N at least the number of lanes.
+            start: first row.
+            stop: row after the last.
+            iterations: at most this many rounds of a program with states.
+        """
+        count = len(inputs)
+        pointers = (ctypes.c_void_p * count)(*(x.ctypes.data for x in inputs))
+        strides = (ctypes.c_int64 * count)(
+            *(0 if len(x) == 1 else x.strides[0] // x.itemsize for x in inputs)
+        )
+        first = min(start, stop - self.lanes)
+        self.function(pointers, strides, out.ctypes.data, out.shape[1], first, stop, iterations)

@@ -1,0 +1,1 @@
+"""What many plans teach about the next."""

@@ -1,0 +1,1 @@
+"""What is proved about a plan, or about there being none."""

@@ -1,0 +1,192 @@
+"""A rigorous upper bound of Eq. 14: interval branch and bound over the joints beyond the contact.
+
+With the joints that place the contact fixed, its inertia depends on the others alone, and so does
+every other objective: the pull J^T h and with it the speed are constant, the flux grows with the
+inertia. The mobility is recorded with the fixed joints as constants, which leaves a few hundred
+operations.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hitjoints.kernels import Chain, Interval
+from hitjoints.kernels.formulas.links import TracedArm, dot, minus
+from hitjoints.kernels.formulas.mass_matrix import (
+    Factor,
+    mass_matrix,
+    mobility_gradient,
+    twice_kinetic_energy,
+)
+from hitjoints.kernels.formulas.outputs import HitFormulas
+from hitjoints.kernels.tape.interval_backend import IntervalProgram
+from hitjoints.kernels.tape.trace import Scalar, Tracer
+from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN, LEAST_MOBILITY
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from hitjoints.planning.objectives.hit_problem import Hit
+
+    Array = NDArray[np.float64]
+
+GAP = 0.01
+"""The bound is tight enough when it exceeds the value found by no more than this share."""
+
+MOST_BOXES = 60_000
+ROUNDING = 1e-9
+"""Share by which bounds are widened for the constants, which are rounded when recorded."""
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What branch and bound proved.
+
+    Attributes:
+        inertia: kg, the value found.
+        upper_bound: kg; no posture of the joints searched, within their limits (and the away
+            condition), has more.
+        gap: upper_bound / inertia - 1.
+        proved: the gap is at most 1 %.
+        joints: the joints searched (1-based); the others are fixed.
+        boxes: how many were bounded.
+        seconds: what it took.
+    """
+
+    inertia: float
+    upper_bound: float
+    gap: float
+    proved: bool
+    joints: tuple[int, ...]
+    boxes: int
+    seconds: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the attributes by name."""
+        return asdict(self)
+
+
+def free_joints(hit: Hit) -> tuple[int, ...]:
+    """Return the joints (1-based) that leave the contact where it is."""
+    contact = hit.contact
+    last = Chain.from_model(hit.robot.model).attach(contact.joint, contact.offset)[0]
+    return tuple(range(last + 1, hit.robot.n + 1))
+
+
+def certify(hit: Hit, q: Array, joints: tuple[int, ...] | None = None) -> Certificate:
+    """Bound the inertia over the postures of some joints, the others fixed as in q.
+
+    Args:
+        hit: what is asked; its away condition restricts the postures if it is set.
+        q: (n,) rad, the configuration found, the best known.
+        joints: which to search (1-based), all of them beyond the contact; every joint that
+            leaves the contact where it is when not given.
+    """
+    begin = time.perf_counter()
+    joints = free_joints(hit) if joints is None else joints
+    at = np.array(joints, dtype=int) - 1
+    bound = _Bound(hit, q, at)
+    robot = hit.robot
+    # A continuous joint is searched over one turn.
+    low, high = (end[None, at] for end in robot.finite_limits)
+    found = 1.0 / float(bound.at(q[None, at]).upper[0, 0])
+    upper, closed, visited = np.zeros(0), found, 0
+    while len(low) and visited < MOST_BOXES:
+        visited += len(low)
+        upper, admissible, reduction = bound(low, high)
+        todo = admissible & (upper > (1.0 + GAP) * found)
+        done = admissible & ~todo
+        closed = max(closed, float(upper[done].max(initial=0.0)))
+        upper = upper[todo]
+        low, high = _cut(low[todo], high[todo], reduction[todo])
+    bounded = max(closed, float(upper.max(initial=0.0)) if len(low) else 0.0)
+    return Certificate(
+        found,
+        bounded,
+        bounded / found - 1.0,
+        bounded <= (1.0 + GAP) * found,
+        joints,
+        visited,
+        time.perf_counter() - begin,
+    )
+
+
+class _Bound:
+    """Bounds over boxes of the joints `at`, the others constant.
+
+    For every u, 2 g . u - u^T M u is at most the mobility g^T M^-1 g; with u = M^-1 g at a box's
+    centre it touches it there. It needs no factor of M over intervals, and its derivative varies
+    little: its mean value form is the sharpest bound known here.
+    """
+
+    def __init__(self, hit: Hit, q: Array, at: NDArray[np.intp]) -> None:
+        n, d = hit.robot.n, len(at)
+        chain = Chain.from_model(hit.robot.model)
+        h = (float(hit.direction[0]), float(hit.direction[1]), float(hit.direction[2]))
+        attached = chain.attach(hit.contact.joint, hit.contact.offset)
+        tracer = Tracer(d + n)
+        angles: list[Any] = [float(angle) for angle in q]
+        for place, number in zip(at, tracer.inputs, strict=False):
+            angles[place] = number
+        arm = TracedArm(chain, tuple(angles))
+        formulas = HitFormulas(arm, Factor(mass_matrix(arm)), attached, h, hit.mass)
+        self.point = IntervalProgram(
+            tracer.program([*formulas.mobility(), *formulas.factor.velocity(formulas.y)])
+        )
+        u: list[Scalar] = list(tracer.inputs[d:])
+        speed: Scalar = 0.0
+        for pull, rate in zip(formulas.g, u, strict=True):
+            speed = speed + pull * rate
+        gradient = mobility_gradient(arm, formulas.reaches, formulas.directions, u)
+        outputs = [2.0 * speed - twice_kinetic_energy(arm, u), *(gradient[i] for i in at)]
+        if hit.away:
+            ends = [
+                chain.attach(contact.joint, contact.offset)
+                for contact in (type(hit.contact)(hit.contact.joint), hit.beyond)
+            ]
+            here, there = (arm.position(last - 1, point) for last, point in ends)
+            outputs.append(dot(h, minus(there, here)))
+        self.away, self.unused = hit.away, [Interval(np.zeros(1), np.zeros(1))] * n
+        self.program = IntervalProgram(tracer.program(outputs))
+
+    def at(self, x: Array) -> Interval:
+        """Bounds (1 + n, B) of the mobility (1/kg) and of the response u at points x (B, d)."""
+        return self.point([Interval(a, a) for a in x.T] + self.unused, len(x))
+
+    def __call__(self, low: Array, high: Array) -> tuple[Array, NDArray[np.bool_], Array]:
+        """Return upper bounds (B,) of the inertia, which boxes may hold an admissible posture,
+        and what each side (B, d) contributes to the width of the bound.
+        """
+        middle, sides = 0.5 * (low + high), low.shape[1]
+        half = np.maximum(high - middle, middle - low)
+        response = [Interval(u, u) for u in self.at(middle).lower[1:]]
+        centre = self.program([Interval(a, a) for a in middle.T] + response, len(low))
+        boxes = [Interval(a, b) for a, b in zip(low.T, high.T, strict=True)]
+        whole = self.program(boxes + response, len(low))
+        steepest = np.maximum(np.abs(whole.lower), np.abs(whole.upper))[1 : 1 + sides].T
+        reduction = np.where(half > 0, steepest * half, 0.0)
+        least = np.fmax(whole.lower[0], centre.lower[0] - reduction.sum(axis=1) * (1 + ROUNDING))
+        with np.errstate(divide="ignore"):
+            upper = np.where(least > LEAST_MOBILITY, 1.0 / least, np.inf) * (1 + ROUNDING)
+        admissible = np.ones(len(low), dtype=bool)
+        if self.away:
+            admissible = whole.lower[1 + sides] <= -AWAY_MARGIN + ROUNDING
+        return upper, admissible, reduction
+
+
+def _cut(low: Array, high: Array, reduction: Array) -> tuple[Array, Array]:
+    """Cut every box in two across the side that blurs its bound most."""
+    rows = np.arange(len(low))
+    unknown = ~np.isfinite(reduction).all(axis=1, keepdims=True)
+    side = np.argmax(np.where(unknown, high - low, reduction), axis=1)
+    # An inertia that is flat is cut for the away condition's sake.
+    flat = reduction[rows, side] <= 0
+    side = np.where(flat, np.argmax(high - low, axis=1), side)
+    middle = 0.5 * (low[rows, side] + high[rows, side])
+    first, second = high.copy(), low.copy()
+    first[rows, side] = second[rows, side] = middle
+    return np.concatenate((low, second)), np.concatenate((first, high))

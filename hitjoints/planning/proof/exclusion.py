@@ -1,0 +1,113 @@
+"""A rigorous no: interval branch and bound that excludes every configuration.
+
+A box of configurations is excluded when the contact is nowhere in it at the object, or when the
+next origin is nowhere behind it; both bounded by the natural extension and by the mean value form.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hitjoints.kernels import Chain, Interval, bisect
+from hitjoints.kernels.formulas.links import TracedArm, dot, minus
+from hitjoints.kernels.tape.interval_backend import IntervalProgram
+from hitjoints.kernels.tape.trace import Scalar, Tracer, Vector
+from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from hitjoints.planning.objectives.hit_problem import Hit
+
+    Array = NDArray[np.float64]
+
+MOST_BOXES = 40_000
+ROUNDING = 1e-12  # m, of the constants, which are rounded when recorded
+
+
+@dataclass(frozen=True)
+class Exclusion:
+    """What branch and bound found.
+
+    Attributes:
+        proved: no configuration within the limits is left.
+        boxes: how many were looked at.
+    """
+
+    proved: bool
+    boxes: int
+
+
+def exclude(hit: Hit, away: bool) -> Exclusion:
+    """Try to prove that no configuration puts the contact at the object.
+
+    Args:
+        hit: what is asked, with a position.
+        away: only configurations that meet the away condition count.
+    """
+    assert hit.position is not None
+    robot, bound = hit.robot, _Bounds(hit, away)
+    m = bound.movers
+    # A continuous joint is searched over one turn.
+    low, high = (end[None, :m] for end in robot.finite_limits)
+    boxes = 0
+    while len(low) and boxes + len(low) <= MOST_BOXES:
+        boxes += len(low)
+        least, most = bound(low, high)
+        left = ((least[:3] <= 0) & (most[:3] >= 0)).all(axis=0)
+        if away:
+            left &= least[3] <= -AWAY_MARGIN
+        low, high = bisect(low[left], high[left])
+    return Exclusion(not len(low), boxes)
+
+
+class _Bounds:
+    """Bounds of the contact's distance from the object along each axis, and of the away gap."""
+
+    def __init__(self, hit: Hit, away: bool) -> None:
+        chain = Chain.from_model(hit.robot.model)
+        origin = type(hit.contact)(hit.contact.joint)
+        points = [hit.contact, origin, hit.beyond] if away else [hit.contact]
+        attached = [chain.attach(point.joint, point.offset) for point in points]
+        self.movers = m = max(last for last, _ in attached)
+        tracer = Tracer(m)
+        # The joints that move none of the points do not enter their formulas.
+        arm = TracedArm(chain, (*tracer.inputs, *[0.0] * (chain.size - m)))
+        places = [arm.position(last - 1, point) for last, point in attached]
+        axes: list[Vector] = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
+        target: Any = hit.position
+        values: list[Scalar] = [places[0][k] - float(target[k]) for k in range(3)]
+        slopes = [_row(arm, attached[0], axis)[:m] for axis in axes]
+        if away:
+            h = (float(hit.direction[0]), float(hit.direction[1]), float(hit.direction[2]))
+            values.append(dot(h, minus(places[2], places[1])))
+            near, far = (_row(arm, point, h)[:m] for point in attached[1:])
+            slopes.append([b - a for a, b in zip(near, far, strict=True)])
+        self.count = len(values)
+        flat = [slope for row in slopes for slope in row]
+        self.program = IntervalProgram(tracer.program([*values, *flat]))
+
+    def __call__(self, low: Array, high: Array) -> tuple[Array, Array]:
+        """Return lower and upper bounds (values, B) over boxes (B, m)."""
+        middle = 0.5 * (low + high)
+        half = np.maximum(high - middle, middle - low)
+        whole = self.program([Interval(a, b) for a, b in zip(low.T, high.T, strict=True)], len(low))
+        centre = self.program([Interval(a, a) for a in middle.T], len(low))
+        size = np.maximum(np.abs(whole.lower), np.abs(whole.upper))[self.count :]
+        radius = np.einsum("vmb,bm->vb", size.reshape(self.count, self.movers, -1), half)
+        radius = radius * (1 + ROUNDING) + ROUNDING
+        values = slice(self.count)
+        return (
+            np.maximum(whole.lower[values] - ROUNDING, centre.lower[values] - radius),
+            np.minimum(whole.upper[values] + ROUNDING, centre.upper[values] + radius),
+        )
+
+
+def _row(arm: TracedArm, attached: tuple[int, Any], direction: Vector) -> list[Scalar]:
+    """Return J^T a of a point."""
+    last, point = attached
+    reaches = arm.reaches(last - 1, point) if last else []
+    return arm.row(reaches, arm.in_links(direction))

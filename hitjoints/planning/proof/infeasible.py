@@ -1,0 +1,168 @@
+"""Why a joint cannot do it, with the nearest value that it could."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hitjoints.dynamics.kinematics import feasible_directions, position
+from hitjoints.kernels import Chain
+from hitjoints.planning.candidates import Candidate, away_gap
+from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN
+from hitjoints.planning.proof.exclusion import exclude
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from hitjoints.kernels import Placement
+    from hitjoints.planning.objectives.hit_problem import Hit
+    from hitjoints.planning.search.groups import Found
+
+    Array = NDArray[np.float64]
+
+TOGETHER = 1e-9  # m: origins closer than this are one point
+
+
+def unreachable(hit: Hit, placed: Placement, prove: bool) -> Candidate:
+    """Say how close the contact gets to the object; prove it, if asked to and possible."""
+    nearest = int(np.argmin(placed.error))
+    error = float(placed.error[nearest])
+    joint, target = hit.contact.joint, hit.position
+    assert target is not None
+    pivot, reach = reach_ball(hit)
+    away = float(np.linalg.norm(target - pivot))
+    certified = away > reach
+    if certified:
+        how = (
+            f"certified: {away:.4g} m from ({_vector(pivot)}), from where its links reach "
+            f"{reach:.4g} m"
+        )
+    else:
+        how = f"the closest of {len(placed.q)} inverse kinematics searches"
+        proof = exclude(hit, away=False) if prove else None
+        if proof is not None and proof.proved:
+            certified = True
+            how = f"certified: {proof.boxes} boxes, all of its configurations, excluded"
+    reason = f"unreachable: joint {joint} stays {error:.4g} m away from ({_vector(target)}) ({how})"
+    return _refused(hit, reason, certified, placed.q[nearest], position_error=error)
+
+
+def movers(hit: Hit) -> int:
+    """Return how many joints, from the base, move the contact."""
+    chain = Chain.from_model(hit.robot.model)
+    return chain.attach(hit.contact.joint, hit.contact.offset)[0]
+
+
+def fixed(hit: Hit) -> Candidate:
+    """Say that no joint moves the contact."""
+    joint, q = hit.contact.joint, hit.robot.home
+    assert hit.position is not None
+    here = position(hit.robot, q, hit.contact)
+    reason = (
+        f"infeasible direction: joint {joint} cannot move at all: no joint of the arm moves its "
+        f"origin from ({_vector(here)})"
+    )
+    error = float(np.linalg.norm(here - hit.position))
+    return _refused(hit, reason, True, q, position_error=error)
+
+
+def reach_ball(hit: Hit) -> tuple[Array, float]:
+    """Return a fixed point (3,) and a distance (m) the contact never exceeds from it.
+
+    The point is the first origin the arm turns about; the distance is the sum of the link lengths
+    from there, with what prismatic joints add.
+    """
+    chain = Chain.from_model(hit.robot.model)
+    last, point = chain.attach(hit.contact.joint, hit.contact.offset)
+    reach = float(np.linalg.norm(point)) if last else 0.0
+    for i in range(1, last):
+        reach += float(np.linalg.norm(chain.links[i].translation))
+    for link in chain.links[:last]:
+        reach += max(abs(link.lower), abs(link.upper)) if link.prismatic else 0.0
+    return np.array(chain.base_position), reach
+
+
+def immobile(hit: Hit, q: Array) -> Candidate:
+    """Say which directions the contact can be hit along, where it can be placed at all."""
+    directions = feasible_directions(hit.robot, q, hit.contact)
+    basis = directions.basis
+    along = basis @ (basis.T @ hit.direction)
+    length = float(np.linalg.norm(along))
+    nearest = None if length < 1e-6 else along / length
+    hint = "" if nearest is None else f"; the nearest direction it can is ({_vector(nearest)})"
+    reason = (
+        f"infeasible direction: joint {hit.contact.joint} cannot move along "
+        f"({_vector(hit.direction)}) there: its Jacobian has rank {directions.rank}, "
+        f"it moves in {directions.description}{hint}"
+    )
+    return _refused(hit, reason, False, q, direction=nearest, rank=directions.rank)
+
+
+def pointed_at(hit: Hit, found: Found, prove: bool) -> Candidate:
+    """Say how far the distal links are from pointing away, at best.
+
+    Args:
+        hit: what is asked.
+        found: the search for the least h . (chi_{k+1} - chi_k).
+        prove: try to exclude every configuration by branch and bound.
+    """
+    joint, q = hit.contact.joint, found.x[0]
+    gap = away_gap(hit, q)
+    following = f"joint {joint + 1}" if joint < hit.robot.n else "the flange"
+    certified = abs(gap) < TOGETHER and _share_origin(hit)
+    if certified:
+        why = f"the origins of joint {joint} and {following} coincide, so no link points away"
+    else:
+        why = (
+            f"{following} lies at least {gap:.4g} m ahead of joint {joint} along the direction "
+            f"whatever the arm does"
+        )
+        proof = exclude(hit, away=True) if prove else None
+        if proof is not None and proof.proved:
+            certified = True
+            why += f" (certified: {proof.boxes} boxes, all of its configurations, excluded)"
+        else:
+            searches = f"{found.restarts.size} independent searches"
+            why += f", over {found.samples} configurations and {searches}"
+    return _refused(hit, f"away condition impossible: {why}", certified, q, away_gap=gap)
+
+
+def short_of_flux(hit: Hit, flux: float, found: Found) -> Candidate:
+    """Say what the greatest flux is."""
+    most = float(np.exp(found.value[0]))
+    reason = (
+        f"flux beyond the maximum: joint {hit.contact.joint} reaches {most:.4g} m/s of the "
+        f"{flux:.4g} m/s asked for"
+    )
+    return _refused(hit, reason, False, found.x[0], flux=most)
+
+
+def _share_origin(hit: Hit) -> bool:
+    chain = Chain.from_model(hit.robot.model)
+    ends = [
+        chain.attach(c.joint, c.offset) for c in (type(hit.contact)(hit.contact.joint), hit.beyond)
+    ]
+    return ends[0][0] == ends[1][0] and bool(
+        np.allclose(ends[0][1], ends[1][1], rtol=0, atol=TOGETHER)
+    )
+
+
+def _refused(hit: Hit, reason: str, certified: bool, q: Array, **nearest: Any) -> Candidate:
+    evidence = {"certified": certified, "nearest": {**nearest, "q": q}}
+    return Candidate(
+        hit.contact.joint,
+        False,
+        reason,
+        position_error=nearest.get("position_error"),
+        evidence=evidence,
+    )
+
+
+def points_away(found: Found) -> bool:
+    """Tell whether a search for the least h . (chi_{k+1} - chi_k) met the away condition."""
+    return bool(found.value.size) and bool(-found.value[0] <= -AWAY_MARGIN)
+
+
+def _vector(values: Any) -> str:
+    return ", ".join(f"{value:.4g}" for value in values)

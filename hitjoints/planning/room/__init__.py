@@ -1,0 +1,1 @@
+"""The room around an arm: shapes, clearance, table and object."""

@@ -1,0 +1,236 @@
+"""The global search: sample, climb from diverse starts, hop from the best, in independent groups.
+
+Each group draws its own samples and never sees the others' results, so that their agreement is
+evidence: several searches that end at the same value have probably found the global optimum, and
+the groups go on hopping, a bounded number of rounds, while they do not agree.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hitjoints.planning.search.climb import climb, feasible
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from hitjoints.planning.objectives.hit_problem import HitProblem
+    from hitjoints.planning.search.sampler import Sampler
+
+    Array = NDArray[np.float64]
+
+GROUPS = 4
+SAMPLES = 512  # per group
+STARTS = 32  # per group and climb; half as many where qd doubles the variables
+KEPT = 3  # optima per group that hops start from
+VARIANTS = 48  # per optimum
+ROUNDS = (1, 3)  # of hops: always, and at most while the groups disagree
+POOLED = 2  # rounds of hops after that, from the optima of all groups
+AGREE = 5e-5  # relative
+PROBES = 64  # samples that tell which joints matter
+SAME = 1e-6  # relative
+APART = 1.0  # rad, between starts
+PENALTY = 3.0  # of an excess, against the logarithm of the objective
+GLANCE, COARSE, FINE = 3, 4, 40  # steps of a climb
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a search found.
+
+    Attributes:
+        x: (S, m) local optima, best first; empty if nothing satisfies the constraints.
+        value: (S,) their objective.
+        samples, admissible: configurations drawn, and how many met every constraint.
+        screened: (A, n) the admissible samples, best first.
+        local_optima: how many optima of different value were found.
+        restarts: best value of each group that found one.
+    """
+
+    x: Array
+    value: Array
+    samples: int
+    admissible: int
+    screened: Array
+    local_optima: int
+    restarts: Array
+
+    @classmethod
+    def nothing(cls) -> Found:
+        """Return the result of a search that was not worth starting."""
+        none = np.zeros((0, 0))
+        return cls(none, np.zeros(0), 0, 0, none, 0, np.zeros(0))
+
+    @property
+    def spread(self) -> float:
+        """Relative difference between the best values of the groups (values are logarithms)."""
+        return float(1.0 - np.exp(self.restarts.min() - self.restarts.max()))
+
+
+def search(problem: HitProblem, sampler: Sampler, seed: int, hints: Array | None = None) -> Found:
+    """Find the global optimum of a problem, with evidence.
+
+    Args:
+        problem: what to maximise.
+        sampler: of configurations on the manifold.
+        seed: of everything random; the same seed gives the same answer.
+        hints: (H, >= n) configurations known to be admissible, where random ones hardly are;
+            every group starts from them too.
+    """
+    rngs = [np.random.default_rng((seed, group)) for group in range(GROUPS)]
+    q = sampler.draw(GROUPS * SAMPLES, seed)
+    value, excess = problem.screen(q)
+    pools = np.array_split(np.arange(len(q)), GROUPS)
+    count = STARTS // 2 if problem.straight else STARTS
+    weight = _weights(problem, q[:PROBES])
+    starts = [_starts(problem, q[pool], value[pool], excess[pool], count, weight) for pool in pools]
+    if hints is not None:
+        starts = [np.concatenate((hints[:, : problem.n], part)) for part in starts]
+    now = _climb(problem, starts)
+    for turn in range(ROUNDS[1]):
+        if turn >= ROUNDS[0] and now.agree:
+            break
+        now = _hop(problem, sampler, now, rngs, KEPT, weight)
+    restarts = now.best
+    if not now.agree:
+        # What the groups found is on record; their best optima together are hopped from on.
+        now = _Optima(now.x, now.value, np.zeros_like(now.group))
+        for _ in range(POOLED):
+            now = _hop(problem, sampler, now, rngs[:1], KEPT * GROUPS, weight)
+    kept = _best(now.value, np.arange(len(now.x)), KEPT * GROUPS)
+    x, last = climb(problem, problem.start(now.x[kept, : problem.n]), FINE)
+    ok = np.flatnonzero(feasible(problem, last))
+    order = ok[np.argsort(-last.value[ok], kind="stable")]
+    x, reached = x[order], last.value[order]
+    admissible = np.flatnonzero(excess == 0)
+    ranked = admissible[np.argsort(-value[admissible], kind="stable")]
+    return Found(
+        x,
+        reached,
+        len(q),
+        len(admissible),
+        q[ranked],
+        int((np.diff(reached) < -SAME).sum()) + 1 if reached.size else 0,
+        np.minimum(restarts[np.isfinite(restarts)], reached.max(initial=-np.inf)),
+    )
+
+
+@dataclass(frozen=True)
+class _Optima:
+    """Where the climbs of all groups ended.
+
+    Attributes:
+        x: (S, m). value: (S,), -inf for a climb that got nowhere. group: (S,).
+    """
+
+    x: Array
+    value: Array
+    group: NDArray[np.intp]
+
+    @property
+    def best(self) -> Array:
+        """Best value of each group."""
+        return np.array([self.value[self.group == g].max(initial=-np.inf) for g in range(GROUPS)])
+
+    @property
+    def agree(self) -> bool:
+        """Tell whether all groups found the same value, or none found any."""
+        best = self.best
+        same = bool(np.isfinite(best).all()) and bool(best.max() - best.min() < AGREE)
+        return same or not np.isfinite(best).any()
+
+
+def _climb(problem: HitProblem, starts: list[Array]) -> _Optima:
+    """Climb from the starts of all groups at once, the better half of each group further."""
+    x, last = climb(problem, problem.start(np.concatenate(starts)), GLANCE)
+    group = np.repeat(np.arange(len(starts)), [len(s) for s in starts])
+    value = np.where(feasible(problem, last), last.value, -np.inf)
+    half = [
+        _best(value, np.flatnonzero(group == g), -(-len(part) // 2))
+        for g, part in enumerate(starts)
+    ]
+    rows = np.concatenate(half)
+    x, last = climb(problem, x[rows], COARSE)
+    value = np.where(feasible(problem, last), last.value, -np.inf)
+    return _Optima(x, value, group[rows])
+
+
+def _hop(
+    problem: HitProblem,
+    sampler: Sampler,
+    now: _Optima,
+    rngs: list[np.random.Generator],
+    kept: int,
+    weight: Array,
+) -> _Optima:
+    """Climb from variants of each group's best optima, which are climbed on as well."""
+    q = now.x[:, : problem.n]
+    best = [_best(now.value, np.flatnonzero(now.group == g), kept) for g in range(len(rngs))]
+    near = [
+        sampler.vary(np.repeat(q[rows], VARIANTS, axis=0), rng)
+        for rows, rng in zip(best, rngs, strict=True)
+    ]
+    placed = sampler.place(np.concatenate(near))
+    value, excess = problem.screen(placed)
+    count = STARTS // 2 if problem.straight else STARTS
+    fresh = (count - KEPT) * (GROUPS // len(rngs))
+    starts, end = [], 0
+    for rows, variants in zip(best, near, strict=True):
+        part = slice(end, end + len(variants))
+        chosen = _starts(problem, placed[part], value[part], excess[part], fresh, weight)
+        starts.append(np.concatenate((q[rows], chosen)))
+        end = part.stop
+    more = _climb(problem, starts)
+    old = np.concatenate(best)
+    return _Optima(
+        np.concatenate((now.x[old], more.x)),
+        np.concatenate((now.value[old], more.value)),
+        np.concatenate((now.group[old], more.group)),
+    )
+
+
+def _best(value: Array, rows: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+    """Choose the rows of greatest value, each value once: copies of an optimum teach nothing."""
+    rows = rows[np.isfinite(value[rows])]
+    rows = rows[np.argsort(-value[rows], kind="stable")]
+    fresh = np.concatenate(([True], np.diff(value[rows]) < -SAME))[: len(rows)]
+    return np.asarray(rows[fresh][:count])
+
+
+def _weights(problem: HitProblem, q: Array) -> Array:
+    """Return how much each joint matters, (n,) from 0 to 1: starts along a flat joint are alike."""
+    gradient = problem.evaluate(problem.start(q)).gradient[:, : problem.n]
+    typical = np.sqrt(np.nansum(gradient**2, axis=0))
+    return np.asarray(np.minimum(1.0, typical / max(float(np.median(typical)), 1e-12)))
+
+
+def _starts(
+    problem: HitProblem, q: Array, value: Array, excess: Array, count: int, weight: Array
+) -> Array:
+    """Choose what to climb from: the best admissible rows, or else those nearest to it.
+
+    A demanded flux leaves small islands that samples miss; climbs that have to be pulled onto them
+    from good values find more.
+    """
+    chosen = _diverse(q * weight, value, excess, count)
+    if problem.flux is not None:
+        usable = np.isfinite(excess)
+        short = np.where(usable, PENALTY * excess, np.inf)
+        bold = _diverse(q * weight, value - short, np.where(usable, 0.0, np.inf), count)
+        chosen = np.union1d(chosen, bold)
+    return np.asarray(q[chosen])
+
+
+def _diverse(q: Array, value: Array, excess: Array, count: int) -> NDArray[np.intp]:
+    """Choose rows (<= count) of high value, apart from each other, the admissible ones first."""
+    usable = np.isfinite(excess) & np.isfinite(value)
+    order = np.lexsort((-value, excess))
+    order = order[usable[order]]
+    chosen: list[int] = []
+    while order.size and len(chosen) < count:
+        chosen.append(int(order[0]))
+        order = order[((q[order] - q[order[0]]) ** 2).sum(axis=1) > APART**2]
+    return np.array(chosen, dtype=int)

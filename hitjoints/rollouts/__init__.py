@@ -1,0 +1,1 @@
+"""The paper's hitting motion, from its start to its end."""

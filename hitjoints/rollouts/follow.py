@@ -1,0 +1,158 @@
+"""Roll a hit out in simulated time: approach, impact, and the slowing down after it."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+import pinocchio as pin
+
+from hitjoints.dynamics.inertia import inertia_along
+from hitjoints.dynamics.kinematics import jacobian, position
+from hitjoints.errors import InfeasibleError
+from hitjoints.hit import Hit
+from hitjoints.hitting.approach import Approach
+from hitjoints.hitting.controller import Controller, Gains, ReferenceName, Step
+from hitjoints.hitting.desired import Weighting
+from hitjoints.hitting.laws import LawName
+from hitjoints.rollouts.prepare import prepare
+from hitjoints.rollouts.record import Rollout
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from hitjoints.model.robot import Robot
+
+    Array = NDArray[np.float64]
+
+FOLLOW_THROUGH = 0.2
+"""s from the impact to rest, and"""
+LONGEST = 10
+"""times as long at most where torque limits slow the arm down as they can."""
+
+
+def rollout(
+    robot: Robot,
+    hit: Hit,
+    *,
+    q0: ArrayLike | None = None,
+    start: ArrayLike | None = None,
+    q_hit: ArrayLike | None = None,
+    run_up: float | None = None,
+    dt: float = 0.002,
+    reference: ReferenceName = "optimised",
+    law: LawName = "qp",
+    weighting: Weighting = "identity",
+    gains: Gains | None = None,
+    speed_profile: Literal["paper", "constant"] = "constant",
+    torque_limits: bool = False,
+    seed: int = 0,
+) -> Rollout:
+    """Move an arm through a hit, kinematically: every joint follows its commanded velocity.
+
+    The start is q0, or a configuration with the contact at `start`, or planned: the configuration
+    of greatest straight flux that has a run-up, and the run-up. The arm starts at rest. The impact
+    itself does not change the velocity (Eq. 11 tells by how much it would); the arm then slows down
+    to rest, evenly or as fast as its torques let it.
+
+    Args:
+        robot: the arm.
+        hit: what is asked.
+        q0, start, q_hit, run_up, seed: see `hitting.prepare.prepare`.
+        dt: s, the step.
+        reference, law, weighting, gains, speed_profile, torque_limits: see `Controller`.
+
+    Returns:
+        The result, with `impact` and `dataset`. It is no hit if `reason` is not empty: off the
+        line, standing still (and at which limit), or out of time.
+
+    Raises:
+        InputError: an argument cannot be used, such as a start outside the limits or beyond the
+            object, or a dt too large for the speed.
+        InfeasibleError: see `prepare`.
+    """
+    found = prepare(
+        robot,
+        hit,
+        q0=q0,
+        start=start,
+        q_hit=q_hit,
+        run_up=run_up,
+        torque_limits=torque_limits,
+        seed=seed,
+    )
+    contact, h = robot.contact(hit.contact), hit.direction
+    controller = Controller(
+        robot,
+        hit,
+        found.q_hit,
+        dt=dt,
+        inertia=inertia_along(robot, found.q_hit, contact, h),
+        reference=reference,
+        law=law,
+        weighting=weighting,
+        gains=gains,
+        speed_profile=speed_profile,
+        torque_limits=torque_limits,
+    )
+    controller.check_step(found.q0)
+    if controller.torques is not None:
+        controller.torques.check_start(found.q0)
+    approach = Approach(controller, found.q0)
+    approach.run()
+    rows = approach.rows + _follow_through(controller, approach.q, approach.rows[-1][1].qd)
+    steps = [step for _, step in approach.rows]
+    parameters = {"reference": reference, "law": law, "weighting": weighting, "dt": float(dt)}
+    return Rollout(
+        robot,
+        hit,
+        approach.impact,
+        approach.reason,
+        found.q_hit,
+        controller.dt,
+        len(steps),
+        sum(step.saturated for step in steps),
+        sum(step.braked for step in steps),
+        _columns(controller, rows, len(steps)),
+        np.array(approach.times),
+        parameters | {"speed_profile": speed_profile, "torque_limits": torque_limits, "seed": seed},
+    )
+
+
+def _follow_through(control: Controller, q: Array, qd: Array) -> list[tuple[Array, Step]]:
+    """Return the steps from the impact to rest, all joints slowing down together."""
+    robot, rows, h = control.robot, [], control.direction
+    count = math.ceil(FOLLOW_THROUGH / control.dt)
+    for i in range(1, LONGEST * count):
+        if not qd.any():
+            break
+        left = max(count - i, 0)
+        qd = control.slower(q, qd, left / (left + 1))
+        here = position(robot, q, control.contact)
+        along = float(h @ jacobian(robot, q, control.contact) @ qd)
+        try:
+            inertia = inertia_along(robot, q, control.contact, h)
+        except InfeasibleError:
+            break
+        flux = control.hit.flux_of(inertia, along)
+        rows.append((q, Step(qd, here, inertia, math.nan, along, flux, 0.0, False, False)))
+        q = control.follow(q, qd)
+    return rows
+
+
+def _columns(
+    control: Controller, rows: list[tuple[Array, Step]], approach: int
+) -> dict[str, Array]:
+    columns = {name: np.array([getattr(step, name) for _, step in rows]) for name in Step._fields}
+    robot, q, qd = control.robot, np.array([q for q, _ in rows]), columns["qd"]
+    rates = np.diff(qd, axis=0, prepend=0.0) / control.dt
+    before = qd - control.dt * rates
+    states = zip(q, before, rates, strict=True)
+    return columns | {
+        "torque": np.array([pin.rnea(robot.model, robot.data, *state) for state in states]),
+        "q": q,
+        "approach": np.arange(len(rows)) < approach,
+        "position_margin": np.minimum(q - robot.lower, robot.upper - q),
+        "velocity_margin": np.minimum(qd - robot.velocity_lower, robot.velocity_upper - qd),
+    }

@@ -1,0 +1,174 @@
+"""What a rollout starts from: the configuration that hits, and the start of the run-up."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from hitjoints.dynamics.inertia import inertia_along
+from hitjoints.dynamics.kinematics import position
+from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.quantities import hitting_speed, place_joint
+from hitjoints.vectors import points
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from hitjoints.hit import Hit
+    from hitjoints.model.robot import Contact, Robot
+    from hitjoints.planning.start import Start
+
+    Array = NDArray[np.float64]
+
+TRIES = 12
+"""Configurations whose run-up is looked at, best first."""
+AT_THE_OBJECT = 1e-4
+"""m, how far from the object a given hitting configuration may hold the contact."""
+
+
+class Preparation(NamedTuple):
+    """The start q0 (n,) rad, and the hitting configuration q_hit (n,) rad it belongs to."""
+
+    q0: Array
+    q_hit: Array
+
+
+def prepare(
+    robot: Robot,
+    hit: Hit,
+    *,
+    q0: ArrayLike | None = None,
+    start: ArrayLike | None = None,
+    q_hit: ArrayLike | None = None,
+    run_up: float | None = None,
+    torque_limits: bool = False,
+    seed: int = 0,
+) -> Preparation:
+    """Find what is not given: a hitting configuration that has the flux, and a start behind it.
+
+    Args:
+        robot: the arm.
+        hit: what is asked.
+        q0: (n,) rad, where the motion starts.
+        start: (3,) m, where the contact starts; not together with q0.
+        q_hit: (n,) rad, the hitting configuration, such as a plan's.
+        run_up: m, along the direction; what the field needs by default, and with torque limits
+            the motors.
+        torque_limits: a planned start has the way that the motors need to reach the speed.
+        seed: of the samples.
+
+    Raises:
+        InputError: an argument cannot be used.
+        InfeasibleError: the object is out of reach, the flux is beyond the maximum (which `data`
+            holds as `maximum_flux`), or there is no run-up.
+    """
+    contact, target = robot.contact(hit.contact), hit.position
+    if q0 is not None:
+        if start is not None:
+            raise InputError("start", start, "give a start position or q0, not both")
+        begin = robot.within_limits(q0, "q0")
+        end = placed(robot, contact, target, begin) if q_hit is None else q_hit
+        return Preparation(_behind(robot, hit, begin, "q0"), _at_object(robot, hit, end))
+    if q_hit is None:
+        q_hit, found = _planned(robot, hit, run_up, torque_limits, seed)
+        if start is None:
+            return Preparation(found.q, q_hit)
+    q_hit = _at_object(robot, hit, q_hit)
+    if start is not None:
+        begin = placed(robot, contact, points(start, "start"), q_hit)
+        return Preparation(_behind(robot, hit, begin, "start"), q_hit)
+    _refuse_flux(robot, hit, q_hit)
+    found = _start(robot, hit, q_hit, run_up, torque_limits)
+    if not found.feasible:
+        raise InfeasibleError(found.reason, {"run_up": found.run_up})
+    return Preparation(found.q, q_hit)
+
+
+def _planned(
+    robot: Robot, hit: Hit, run_up: float | None, torque_limits: bool, seed: int
+) -> tuple[Array, Start]:
+    """Return the hitting configuration of greatest straight flux that has a run-up, and that."""
+    # The planner is a floor above; a rollout without a start is the one that asks it for one.
+    from hitjoints.planning.planner import plan
+
+    starts: list[Start] = []
+
+    def has_run_up(q: Array) -> bool:
+        if not starts:
+            _refuse_flux(robot, hit, q)  # the first is the best: none has more
+        starts.append(_start(robot, hit, q, run_up, torque_limits))
+        return starts[-1].feasible or len(starts) >= TRIES
+
+    planned = plan(
+        robot,
+        hit.position,
+        hit.direction,
+        hit.mass,
+        joints=[hit.contact],
+        objective="straight-flux",
+        seed=seed,
+        certificate=False,
+        accept=has_run_up,
+    )
+    if starts and not starts[-1].feasible:
+        reason = f"none of {len(starts)} configurations has a run-up: {starts[0].reason}"
+        raise InfeasibleError(reason, {"run_up": starts[0].run_up})
+    best = planned.best
+    if best is None or best.q is None:
+        raise InfeasibleError(planned.candidates[0].reason, {"joint": planned.candidates[0].joint})
+    return best.q, starts[-1]
+
+
+def _start(robot: Robot, hit: Hit, q: Array, run_up: float | None, torque_limits: bool) -> Start:
+    from hitjoints.planning.start import plan_start
+
+    contact, h = robot.contact(hit.contact), hit.direction
+    speed = hit.speed(inertia_along(robot, q, contact, h))
+    return plan_start(robot, q, contact, h, speed, run_up=run_up, torque_limits=torque_limits)
+
+
+def _refuse_flux(robot: Robot, hit: Hit, q: Array) -> None:
+    contact, h = robot.contact(hit.contact), hit.direction
+    straight = hitting_speed(robot, q, contact, h, straight=True)
+    most = hit.flux_of(inertia_along(robot, q, contact, h), straight)
+    if hit.flux > most:
+        raise InfeasibleError(
+            f"a flux of {hit.flux:.4g} m/s is beyond the maximum of {most:.4g} m/s for motion "
+            f"along the direction with joint {contact.joint} at the object",
+            {"maximum_flux": most, "flux": hit.flux},
+        )
+
+
+def placed(robot: Robot, contact: Contact, where: Array, near: ArrayLike) -> Array:
+    """Return the configuration (n,) rad with the contact at `where` (3,) m, searched from `near`.
+
+    Raises:
+        InfeasibleError: out of reach.
+    """
+    found = place_joint(robot, contact, where, start=np.asarray(near))
+    if not found.solved[0]:
+        at = ", ".join(f"{v:g}" for v in where)
+        raise InfeasibleError(
+            f"({at}) m is out of reach: joint {contact.joint} comes no nearer than "
+            f"{found.error[0]:.3g} m",
+            {"joint": contact.joint, "nearest": float(found.error[0])},
+        )
+    return np.array(found.q[0])
+
+
+def _at_object(robot: Robot, hit: Hit, q: ArrayLike) -> Array:
+    q = robot.within_limits(q, "q_hit")
+    error = float(np.linalg.norm(position(robot, q, hit.contact) - hit.position))
+    if error > AT_THE_OBJECT:
+        raise InputError("q_hit", q.tolist(), f"it holds the contact {error:.3g} m off the object")
+    return q
+
+
+def _behind(robot: Robot, hit: Hit, q: Array, argument: str) -> Array:
+    here = position(robot, q, hit.contact)
+    ahead = float(hit.direction @ (hit.position - here))
+    if ahead <= 0:
+        expected = f"the contact starts {-ahead:.3g} m beyond the object; it must start behind it"
+        raise InputError(argument, [round(float(v), 6) for v in here], expected)
+    return q
