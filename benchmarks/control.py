@@ -20,8 +20,8 @@ from benchmarks.contest import Peer, contest, near
 from benchmarks.harness import Figure, Remark, Row, Work
 from benchmarks.peers.control_step import PyBulletStep, Solve
 from benchmarks.peers.osqp import OsqpInPlace, QpSolvers
-from hitjoints.hit import Hit
 from hitjoints.hitting.controller import Controller
+from hitjoints.hitting.flux_hit import Hit
 from hitjoints.model.robot import Robot
 from hitjoints.planning.planner import plan
 from hitjoints.rollouts.follow import rollout

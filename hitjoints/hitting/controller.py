@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import numpy as np
 
 from hitjoints.errors import InputError, UnknownNameError
-from hitjoints.hit import Hit, State, observe
 from hitjoints.hitting.desired import DesiredInertia, Weighting
 from hitjoints.hitting.field import RATE, SIGMA, HittingField
+from hitjoints.hitting.flux_hit import Hit, State, observe
 from hitjoints.hitting.laws import LawName, Motion, law_named
 from hitjoints.hitting.manipulability_posture import most_manipulable
 from hitjoints.hitting.torque_limits import TorqueLimits

@@ -15,7 +15,7 @@ from hitjoints.vectors import points
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.hit import Hit
+    from hitjoints.hitting.flux_hit import Hit
     from hitjoints.model.robot import Contact, Robot
     from hitjoints.planning.start import Start
 

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from xarray import Dataset
 
-    from hitjoints.hit import Hit
     from hitjoints.hitting.approach import Impact
+    from hitjoints.hitting.flux_hit import Hit
     from hitjoints.model.robot import Robot
 
     Array = NDArray[np.float64]

@@ -16,7 +16,7 @@ import pinocchio as pin
 from hitjoints.dynamics.inertia import inertia_along, inverse_inertia
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import HitjointsError, InfeasibleError, InputError, MissingExtraError
-from hitjoints.hit import Hit
+from hitjoints.hitting.flux_hit import Hit
 from hitjoints.model.robot import Contact
 from hitjoints.planning.planner import plan
 from hitjoints.quantities import hitting_speed

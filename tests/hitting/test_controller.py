@@ -5,8 +5,8 @@ import pytest
 
 import hitjoints as hj
 from hitjoints.errors import InfeasibleError, InputError
-from hitjoints.hit import Hit, observe
 from hitjoints.hitting.controller import Controller, Gains
+from hitjoints.hitting.flux_hit import Hit, observe
 from hitjoints.hitting.manipulability_posture import most_manipulable
 from hitjoints.programs.joint_velocity import solve_joint_velocity
 

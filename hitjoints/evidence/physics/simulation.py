@@ -19,7 +19,7 @@ from hitjoints.rollouts.follow import rollout
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.hit import Hit
+    from hitjoints.hitting.flux_hit import Hit
     from hitjoints.model.robot import Robot
     from hitjoints.rollouts.record import Rollout
 
