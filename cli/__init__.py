@@ -1,5 +1,5 @@
 """The command line: `hitjoints COMMAND`, one file per command."""
 
-from .app import main
+from .border import main
 
 __all__ = ["main"]

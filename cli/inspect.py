@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from .complaints import complain
 from .options import (
     DIRECTION,
     MASS,
@@ -22,7 +23,7 @@ from .options import (
     numbers,
     triple,
 )
-from .render import complain, print_json, print_table
+from .render import print_json, print_table
 
 if TYPE_CHECKING:
     from hitjoints.model.robot import Contact, Robot

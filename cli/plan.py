@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from .complaints import complain
 from .options import (
     DIRECTION,
     MASS,
@@ -27,7 +28,7 @@ from .options import (
     numbers,
     triple,
 )
-from .render import complain, print_json, print_table
+from .render import print_json, print_table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

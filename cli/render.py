@@ -1,12 +1,13 @@
-"""What the commands print: tables for people, JSON for programs, complaints on stderr."""
+"""What the commands print on stdout: tables for people, JSON for programs."""
 
 from __future__ import annotations
 
 import json
 import math
-import sys
 from collections.abc import Iterable, Sequence
 from typing import Any
+
+from .complaints import printable
 
 FILE_WIDTH = 120  # columns of a table that goes to a file or a pipe
 
@@ -28,11 +29,6 @@ def _plain(value: Any) -> Any:
     return value
 
 
-def complain(kind: str, message: str) -> None:
-    """Print one line on stderr."""
-    print(f"{kind}: {' '.join(message.split())}", file=sys.stderr)
-
-
 def print_table(
     title: str,
     columns: Sequence[str],
@@ -44,11 +40,13 @@ def print_table(
     from rich.console import Console
     from rich.table import Table
 
-    table = Table(title=title, caption=caption, box=box.SIMPLE_HEAD, title_justify="left")
+    table = Table(
+        title=printable(title), caption=caption, box=box.SIMPLE_HEAD, title_justify="left"
+    )
     for i, column in enumerate(columns):
         table.add_column(column, justify="left" if i == 0 else "right")
     for row in rows:
-        table.add_row(*(_cell(value) for value in row))
+        table.add_row(*(printable(_cell(value)) for value in row))
     # Names are what a file says, brackets and all.
     console = Console(markup=False, emoji=False)
     if not console.is_terminal:

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .complaints import complain
 from .options import JsonOption, OutOption, PlotOption, check_mass, check_outputs, numbers, triple
-from .render import complain, print_json, print_table
+from .render import print_json, print_table
 
 if TYPE_CHECKING:
     from hitjoints.evidence.recordings.replayed_hit import ReplayedHit

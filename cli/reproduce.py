@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .complaints import complain
 from .options import JsonOption
-from .render import complain, print_json, print_table
+from .render import print_json, print_table
 
 if TYPE_CHECKING:
     from hitjoints.evidence.paper.reproduction import Reproduction

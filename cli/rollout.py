@@ -19,6 +19,7 @@ from .asked import (
     StartOption,
     read_asked,
 )
+from .complaints import complain
 from .options import (
     ORIGIN,
     ROBOT,
@@ -31,7 +32,7 @@ from .options import (
     TorquesOption,
     check_outputs,
 )
-from .render import complain, print_json, print_table
+from .render import print_json, print_table
 
 if TYPE_CHECKING:
     from hitjoints.rollouts.record import Rollout

@@ -19,6 +19,7 @@ from .asked import (
     StartOption,
     read_asked,
 )
+from .complaints import complain
 from .options import (
     ORIGIN,
     ROBOT,
@@ -32,7 +33,7 @@ from .options import (
     check_outputs,
     triple,
 )
-from .render import complain, print_json, print_table
+from .render import print_json, print_table
 
 if TYPE_CHECKING:
     from hitjoints.evidence.physics.simulated_hit import Cause, Simulation

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from .complaints import complain
 from .options import (
     DIRECTION,
     MASS,
@@ -24,7 +25,7 @@ from .options import (
     check_outputs,
     numbers,
 )
-from .render import complain, print_json, print_table
+from .render import print_json, print_table
 
 if TYPE_CHECKING:
     from xarray import Dataset

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from .complaints import complain
 from .options import (
     DIRECTION,
     MASS,
@@ -28,7 +29,7 @@ from .options import (
     spaced,
     triple,
 )
-from .render import complain, print_json, print_table
+from .render import print_json, print_table
 
 if TYPE_CHECKING:
     from xarray import Dataset

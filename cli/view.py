@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from .asked import FLUX, FluxOption
+from .complaints import complain
 from .options import (
     DIRECTION,
     MASS,
@@ -27,7 +28,7 @@ from .options import (
     numbers,
     triple,
 )
-from .render import complain, print_json
+from .render import print_json
 
 
 def view(
@@ -71,12 +72,18 @@ def view(
         port=port,
     )
     try:
-        if as_json:
-            print_json({"robot": robot, "url": viewer.url, "joint": chosen, "q": viewer.q})
+        shown = {"robot": robot, "url": viewer.url, "joint": chosen, "q": viewer.q}
+
+        def say(url: str) -> None:
+            if as_json:
+                print_json(shown)
+            complain("serving", f"{url} until Ctrl-C")
+
         if out is None:
-            complain("serving", f"{viewer.url} until Ctrl-C")
-            viewer.serve()
+            viewer.serve(say)
         else:
+            if as_json:
+                print_json(shown)
             page = viewer.as_html()
             write_whole(out, "out", lambda path: path.write_text(page, encoding="utf-8"))
             complain("written", str(out))

@@ -48,6 +48,9 @@ from .impact.collision import (
 from .impact.collision import (
     required_speed as required_speed,
 )
+from .impact.elastic import elastic_impact as elastic_impact
+from .impact.inertia_models import impact_inertia as impact_inertia
+from .impact.inertia_models import impact_inertia_gradient as impact_inertia_gradient
 from .loading.load import (
     ModelWarning as ModelWarning,
 )

@@ -8,15 +8,15 @@ from typing import Any
 SHOWN = 200  # characters of a value in a message
 
 
-def shown(value: object, text_of: Callable[[object], str] = str) -> str:
+def shown(value: object, text_of: Callable[[object], str] = str, longest: int = SHOWN) -> str:
     """Return a value's text as a message can hold it: one line, cut in the middle when long."""
     try:
         text = " ".join(text_of(value).split())
     except Exception:  # whatever cannot be written must still be refused in a line
         text = f"a {type(value).__name__}"
-    if len(text) <= SHOWN:
+    if len(text) <= longest:
         return text
-    return f"{text[: SHOWN // 2]} ... {text[-SHOWN // 4 :]} ({len(text)} characters)"
+    return f"{text[: longest // 2]} ... {text[-longest // 4 :]} ({len(text)} characters)"
 
 
 class HitjointsError(Exception):
@@ -62,7 +62,7 @@ class ModelError(HitjointsError):
 
     def __init__(self, source: str, reason: str) -> None:
         self.source, self.reason = source, reason
-        super().__init__(f"robot {source}: {reason}")
+        super().__init__(f"robot {shown(source)}: {reason}")
 
 
 class InfeasibleError(HitjointsError):

@@ -17,6 +17,7 @@ def test_an_example_runs(path, tmp_path):
         capture_output=True,
         text=True,
         cwd=tmp_path,
+        timeout=300,
         env={**os.environ, "PYTHONWARNINGS": "error::RuntimeWarning"},
         check=False,
     )

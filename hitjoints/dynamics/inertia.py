@@ -87,7 +87,7 @@ def inertia_along(
         InfeasibleError: the contact cannot move along h.
         ModelError: the mass matrix is not positive definite.
     """
-    return 1.0 / _feasible(mobility(robot.model, robot.data, q, contact, h), contact, h)
+    return 1.0 / require_mobile(mobility(robot.model, robot.data, q, contact, h), contact, h)
 
 
 def inertia_and_gradient_along(
@@ -100,7 +100,7 @@ def inertia_and_gradient_along(
     """
     model, data = robot.model, robot.data
     g, u = pull_and_response(model, data, q, contact, h)
-    inertia = 1.0 / _feasible(float(g @ u), contact, h)
+    inertia = 1.0 / require_mobile(float(g @ u), contact, h)
     still = robot.still
     pin.computeForwardKinematicsDerivatives(model, data, q, u, still)
     # Of Pinocchio's velocity derivatives only the one of a point is d(J u)/dq.
@@ -112,7 +112,12 @@ def inertia_and_gradient_along(
     return inertia, -(inertia**2) * (2 * pull_by_q - u @ momentum_by_q)
 
 
-def _feasible(mobility: float, contact: Contact, h: NDArray[np.float64]) -> float:
+def require_mobile(mobility: float, contact: Contact, h: NDArray[np.float64]) -> float:
+    """Return the mobility (1/kg) of a contact along h.
+
+    Raises:
+        InfeasibleError: it is zero, the contact cannot move along h.
+    """
     if mobility < MOBILITY_FLOOR:
         raise InfeasibleError(
             f"infeasible direction: joint {contact.joint} cannot move along "

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import io
+import signal
 import socket
 import threading
 import time
-from contextlib import redirect_stdout, suppress
+from contextlib import redirect_stdout
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +25,7 @@ from hitjoints.rollouts.follow import rollout
 from hitjoints.rollouts.prepare import placed
 from hitjoints.show.drawn_arm import ARROW, BOX, INERTIA, LINK, inertia_surface, rgb
 from hitjoints.show.figures import colour_of
+from hitjoints.show.origin import own_pages_only
 from hitjoints.show.solids import solids
 
 if TYPE_CHECKING:
@@ -40,6 +42,7 @@ FRAMES = 30.0  # per s
 SLOWER = 10  # a hit takes a tenth of a second: it is played so many times slower
 STEP = 0.001  # rad, of the sliders
 EDGE, POINT = 0.1, 0.018  # m, of the object drawn, and radius of the contact
+ENDS = (signal.SIGINT, signal.SIGTERM)
 GLASS = 0.7  # opacity of the links: a joint's origin lies inside its link
 
 
@@ -100,12 +103,16 @@ class Viewer:
         self._lock, self._moving = threading.RLock(), False
         shapes = solids(robot)
         self._carriers = [(one.joint, one.placement) for one in shapes]
-        with _silence():
+        with _silence(), own_pages_only(host):
             self._server = viser.ViserServer(host, port, verbose=False)
         self.url = f"http://{host}:{self._server.get_port()}"
-        self._build_scene(shapes)
-        self._build_panel(hit)
-        self.move(q)
+        try:
+            self._build_scene(shapes)
+            self._build_panel(hit)
+            self.move(q)
+        except BaseException:
+            self.stop()
+            raise
 
     def move(self, q: ArrayLike) -> None:
         """Show another configuration.
@@ -128,10 +135,24 @@ class Viewer:
         """Return a page that shows what is shown now, without a server and the panel."""
         return str(self._server.scene.as_html())
 
-    def serve(self) -> None:
-        """Serve until interrupted, as by Ctrl-C."""
-        with suppress(KeyboardInterrupt):
-            self._server.sleep_forever()
+    def serve(self, ready: Callable[[str], None] | None = None) -> None:
+        """Serve until a signal asks to end: SIGINT, as by Ctrl-C, or SIGTERM.
+
+        A shell starts what runs in the background with SIGINT ignored; here it counts even then.
+
+        Args:
+            ready: called with the URL when signals are waited for.
+        """
+        over = threading.Event()
+        main = threading.current_thread() is threading.main_thread()
+        before = {one: signal.signal(one, lambda *_: over.set()) for one in ENDS if main}
+        try:
+            if ready is not None:
+                ready(self.url)
+            over.wait()
+        finally:
+            for one, handler in before.items():
+                signal.signal(one, handler)
 
     def stop(self) -> None:
         """Stop serving."""
@@ -161,8 +182,8 @@ class Viewer:
             self._joint = gui.add_dropdown("joint", joints, initial_value=number)
             self._at = gui.add_vector3("object (m)", tuple(hit.position), step=0.01)
             self._along = gui.add_vector3("direction", tuple(hit.direction), step=0.05)
-            self._mass = gui.add_number("mass (kg)", float(hit.mass), min=0.01, step=0.1)
-            self._flux = gui.add_number("flux (m/s)", float(hit.flux), min=0.01, step=0.01)
+            self._mass = gui.add_number("mass (kg)", float(hit.mass), step=0.1)
+            self._flux = gui.add_number("flux (m/s)", float(hit.flux), step=0.01)
             works = {
                 "place the joint at the object": self._place,
                 "plan for inertia": self._plan,

@@ -135,6 +135,7 @@ def fingerprint(store: Path) -> dict[str, str]:
     }
 
 
+LIMIT = 300  # s, for any process here
 ARGUMENTS = [
     "sweep", "workspace", "--x=-0.9:0.9:40", "--y=-0.9:0.9:40", "--z=0.1:0.9:10", "--samples", "30",
     "--threads", "1", "--out", "map.zarr", "--json",
@@ -151,22 +152,23 @@ def test_killed_runs_continue_to_the_same_store(tmp_path):
     whole.mkdir()
     broken.mkdir()
     process = command(whole)
-    process.communicate()
+    process.communicate(timeout=LIMIT)
     assert process.returncode == 0
     kills = 0
     for blocks in (0, 1, 3):
         process = command(broken)
         # Kill as soon as so many blocks are marked, wherever in the next one it then is.
-        while process.poll() is None:
+        end = time.monotonic() + LIMIT
+        while process.poll() is None and time.monotonic() < end:
             done = len(list((broken / "map.zarr" / "done").glob("c/*/*/*")))
             if (broken / "map.zarr" / "zarr.json").exists() and done > blocks:
                 os.kill(process.pid, signal.SIGKILL)
             time.sleep(0.002)
         kills += process.returncode == -signal.SIGKILL
-        process.communicate()
+        process.communicate(timeout=LIMIT)
     assert kills == 3
     process = command(broken)
-    process.communicate()
+    process.communicate(timeout=LIMIT)
     assert process.returncode == 0
     assert fingerprint(broken / "map.zarr") == fingerprint(whole / "map.zarr")
 

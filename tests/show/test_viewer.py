@@ -2,21 +2,29 @@
 
 import json
 import re
+import shlex
 import signal
 import subprocess
 import sys
+import threading
 import urllib.request
+from contextlib import contextmanager
 
 import numpy as np
 import pinocchio as pin
 import pytest
 import trimesh
+import viser
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
 
 import hitjoints as hj
 from hitjoints.errors import InputError, MissingExtraError
+from hitjoints.show.origin import is_foreign
 from hitjoints.show.solids import THICKNESS, solids
 
 PORT = 18_080
+LIMIT = 60  # s, for a process that serves
 
 
 @pytest.fixture
@@ -178,17 +186,92 @@ def test_command_writes_a_page(run, tmp_path):
     assert outcome.err == f"written: {page}\n"
 
 
-def test_command_serves_until_interrupted():
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("ignored", [False, True])
+def test_command_serves_until_a_signal(number, ignored):
+    """Also when it starts with SIGINT ignored, as what a script runs in the background does."""
     words = [sys.executable, "-m", "hitjoints.cli", "view", "--port", str(PORT + 50), "--json"]
-    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as it:
-        assert it.stdout is not None
+    ignore = "trap '' INT;" if ignored else ""
+    words = ["sh", "-c", f"{ignore} exec {shlex.join(words)}"]
+    with served(words) as it:
         found = json.loads(it.stdout.readline())
         page = urllib.request.urlopen(found["url"], timeout=10).read()
-        it.send_signal(signal.SIGINT)
+        it.send_signal(number)
         rest, said = it.communicate(timeout=20)
     assert b"<html" in page.lower()
     assert (it.returncode, rest) == (0, "")
     assert said == f"serving: {found['url']} until Ctrl-C\n"
+
+
+@contextmanager
+def served(words):
+    """Run a server, and end it whatever becomes of the test."""
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(words, text=True, **pipes) as it:
+        late = threading.Timer(LIMIT, it.kill)
+        late.start()
+        try:
+            yield it
+        finally:
+            late.cancel()
+            it.kill()
+
+
+@pytest.mark.parametrize(
+    ("origin", "lets_in"),
+    [
+        (None, True),
+        ("http://127.0.0.1:{port}", True),
+        ("http://127.0.0.1:3000", False),
+        ("http://localhost:{port}", False),  # this server was asked for as 127.0.0.1
+        ("http://elsewhere.example", False),
+        ("null", False),
+        ("file://", False),
+    ],
+)
+def test_pages_from_elsewhere_may_not_press_its_buttons(viewer, origin, lets_in):
+    port = viewer.url.rpartition(":")[2]
+    origin = origin and origin.format(port=port)
+    if lets_in:
+        with socket_of(viewer, origin) as socket:
+            assert socket.recv(timeout=10)
+    else:
+        with pytest.raises(InvalidStatus, match="403"):
+            socket_of(viewer, origin)
+
+
+def socket_of(viewer, origin):
+    address = viewer.url.replace("http", "ws")
+    return connect(
+        address, origin=origin, subprotocols=[f"viser-v{viser.__version__}"], max_size=None
+    )
+
+
+@pytest.mark.parametrize(
+    ("origin", "asked", "served_as", "foreign"),
+    [
+        ("http://localhost:8080", "localhost:8080", "127.0.0.1", False),
+        ("http://localhost:9000", "localhost:9000", "127.0.0.1", False),  # a forwarded port
+        ("http://192.168.0.7:8080", "192.168.0.7:8080", "0.0.0.0", False),
+        ("http://[::1]:8080", "[::1]:8080", "::", False),
+        ("https://arm.lab", "arm.lab", "arm.lab", False),
+        ("http://evil.example:8080", "evil.example:8080", "0.0.0.0", True),  # its name points here
+        ("http://localhost:3000", "localhost:8080", "127.0.0.1", True),
+        ("http://localhost:8080", None, "127.0.0.1", True),
+        ("http://[", "[", "127.0.0.1", True),
+        ("chrome-extension://abc", "abc", "127.0.0.1", True),
+    ],
+)
+def test_which_pages_are_foreign(origin, asked, served_as, foreign):
+    assert is_foreign(origin, asked, served_as) == foreign
+
+
+@pytest.mark.parametrize("option", ["--mass", "--flux"])
+@pytest.mark.parametrize("value", ["1e-9", "0.005", "1e9"])
+def test_small_and_large_numbers_are_shown(run, tmp_path, option, value):
+    outcome = run("view", option, value, "--out", tmp_path / "arm.html", "--json")
+    assert outcome.code == 0
+    assert outcome.json["joint"] == 6
 
 
 @pytest.mark.parametrize(
