@@ -23,6 +23,8 @@ FLAT = 1e-4
 """A mesh thinner than this share of its length gets that thickness (Coal fails below 1e-7)."""
 FARTHEST = 1e5
 """m: a vertex beyond is a mistake."""
+SMALLEST = 1e-6
+"""m, and share of its distance from its origin: a mesh shorter than that is a dot."""
 PACKAGE = ("package://", "model://")
 
 
@@ -118,12 +120,15 @@ def read_mesh(path: Path, scale: Sequence[float]) -> Any:
     points = vertices(mesh)
     if not np.isfinite(points).all():
         raise MeshError(f"mesh {path.name} has a vertex that is no finite number")
-    if len(points) and np.abs(points).max() > FARTHEST:
-        far = np.abs(points).max()
+    if not len(points):
+        raise MeshError(f"mesh {path.name} is no surface: it has no vertex")
+    far, lengths = float(np.abs(points).max()), _extents(points)[0]
+    if far > FARTHEST:
         raise MeshError(f"mesh {path.name} has a vertex {far:.3g} m away: is its scale right?")
-    if len(points) == 0 or _extents(points)[0][1] <= FLAT * _extents(points)[0][0]:
-        count = len(np.unique(points, axis=0))
-        raise MeshError(f"mesh {path.name} is no surface: its {count} points lie on one line")
+    if lengths[0] < SMALLEST * max(1, far):
+        raise MeshError(f"mesh {path.name} is {lengths[0]:.3g} m long: is its scale right?")
+    if lengths[1] <= FLAT * lengths[0]:
+        raise MeshError(f"mesh {path.name} is no surface: its points lie on one line")
     return mesh
 
 

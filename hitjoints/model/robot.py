@@ -203,11 +203,11 @@ class Robot:
         """
         geometry, faults = self._collision
         if faults:
-            link, reason = faults[0]
-            more = f", and {len(faults) - 1} more" if len(faults) > 1 else ""
-            raise ModelError(
-                self.name, f"a collision shape of {link} cannot be read: {reason}{more}"
-            )
+            (link, reason), count = faults[0], len(faults)
+            which = f"the collision shape of {link}"
+            if count > 1:
+                which = f"{count} collision shapes, first that of {link},"
+            raise ModelError(self.name, f"{which} cannot be read: {reason}")
         return geometry
 
     @cached_property
