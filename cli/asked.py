@@ -11,7 +11,7 @@ import typer
 from .options import DIRECTION, MASS, OBJECT, check_mass, numbers, triple
 
 if TYPE_CHECKING:
-    from hitjoints.hitting.flux_hit import Hit
+    from hitjoints.hit import Hit
     from hitjoints.model.robot import Robot
 
 FLUX = 0.3
@@ -77,7 +77,7 @@ def read_asked(
         InputError: a value cannot be used, or an option contradicts the plan.
         InfeasibleError: the plan says that no joint can do it.
     """
-    from hitjoints.hitting.flux_hit import Hit
+    from hitjoints.hit import Hit
     from hitjoints.loading.load import load_robot
     from hitjoints.model.robot import Contact
 

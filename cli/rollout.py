@@ -58,7 +58,9 @@ def rollout(
     speed_profile: Annotated[
         str, typer.Option("--speed-profile", help="Field beside the line: constant, or paper.")
     ] = "constant",
-    dt: Annotated[float, typer.Option("--dt", metavar="S", help="Control step.")] = 0.002,
+    dt: Annotated[
+        float, typer.Option("--dt", metavar="S", help="Control step, 2e-5 to 0.05 s.")
+    ] = 0.002,
     plan: PlanOption = None,
     q0: Q0Option = None,
     start: StartOption = None,
@@ -75,7 +77,7 @@ def rollout(
     from hitjoints.datasets.files import DATASET_ENDINGS
     from hitjoints.rollouts.follow import rollout as roll
 
-    check_outputs(plot, (out, "out", DATASET_ENDINGS))
+    check_outputs(plot, (out, "out", DATASET_ENDINGS), inputs=[robot, plan])
     arm, hit, starts = read_asked(
         robot, position, direction, mass, joint, contact_offset, flux, plan, q0, start
     )
@@ -95,7 +97,7 @@ def rollout(
     if as_json:
         asked = {
             "robot": robot,
-            "joint": arm.contact(hit.contact).joint,
+            "joint": arm.contact(hit.chosen_contact).joint,
             "flux": flux,
             "torque_limits": torque_limits,
         }
@@ -136,7 +138,7 @@ def _print(result: Rollout) -> None:
             ("inertia", impact.inertia, "kg"),
             ("desired inertia", impact.desired_inertia, "kg"),
             ("speed", impact.speed, "m/s"),
-            (f"flux, {hit.flux:g} m/s desired", impact.flux, "m/s"),
+            (f"flux, {hit.desired_flux:g} m/s desired", impact.flux, "m/s"),
             ("q", impact.q, "rad"),
         ]
     times = result.as_dict()["step_time_us"]
@@ -146,6 +148,6 @@ def _print(result: Rollout) -> None:
         ("greatest torque, of its limit", result.torque_ratio_max, ""),
         ("time of a control step", f"{times['median']:.0f}, 99 %: {times['p99']:.0f}", "us"),
     ]
-    joint = result.robot.contact(hit.contact).joint
+    joint = result.robot.contact(hit.chosen_contact).joint
     title = f"{result.robot.title}: joint {joint} hits {hit.words}"
     print_table(title, ("at the impact", "value", "unit"), rows)

@@ -134,7 +134,7 @@ class HittingField:
             following = self._step(here, dt)
             left = float(h @ (self.target - following))
             if left <= 0:
-                part = ahead / (ahead - left)
+                part = ahead / (ahead - left) if left < ahead else 0.0  # a step shorter than a bit
                 return self.lateral_error(here + part * (following - here))
             here, ahead = following, left
             if self.lateral_error(here) < ON_THE_LINE:

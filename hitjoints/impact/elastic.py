@@ -122,17 +122,17 @@ def elastic_impact(
     except (TypeError, ValueError):
         raise InputError("servo", servo, "two gains: N m/rad and N m s/rad") from None
     model, data = robot.model, robot.data
-    g = h @ point_jacobian(model, data, q, contact)
+    jac = point_jacobian(model, data, q, contact)
     factor_mass_matrix(model, data, q)
     arm = SpringArm(
         np.linalg.inv(data.M),
-        g,
+        h @ jac,
         known_rotors(robot, rotor_inertia),
         known_stiffness(robot, stiffness),
         per_joint(damping, robot, "damping"),
         (per_joint(proportional, robot, "servo"), per_joint(derivative, robot, "servo")),
     )
-    require_mobile(arm.mobility, contact, h)
+    require_mobile(jac, arm.mobility, contact, h)
     between = pair_spring(arm.mobility, mass, restitution, contact_time)
     if spring is not None:
         between = spring

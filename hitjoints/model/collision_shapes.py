@@ -181,15 +181,3 @@ def mesh_digest(xml: str, folder: str, package_dirs: Sequence[str] = ()) -> str:
             content = str(error).encode()
         digest.update(hashlib.sha256(content).digest())
     return digest.hexdigest()[:16] if names else ""
-
-
-def without_shapes(xml: str) -> str:
-    """Return a URDF without what a model's dynamics do not need: urdfdom complains of it aloud."""
-    root = ElementTree.fromstring(xml)
-    for parent in (root, *root.findall("link")):
-        for child in [one for one in parent if one.tag not in NEEDED]:
-            parent.remove(child)
-    return ElementTree.tostring(root, encoding="unicode")
-
-
-NEEDED = frozenset({"link", "joint", "inertial"})

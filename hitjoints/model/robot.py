@@ -66,6 +66,8 @@ class Robot:
         flange: the end of the arm, on the last joint; the point chi_{n+1} of Eq. 14.
         xml: the URDF as given to Pinocchio.
         title, source, licence: where the numbers come from.
+        folder: of the description, "" for a text; its meshes are looked for from there.
+        package_dirs: folders that hold the packages of `package://` addresses.
         acceleration: (n,) rad/s^2, acceleration limits of the drives; None when not known.
         jerk: (n,) rad/s^3, jerk limits; None when not known.
         rotor_inertia: (n,) kg m^2, reflected through the gears; None when not known. The mass
@@ -83,7 +85,8 @@ class Robot:
     title: str = ""
     source: str = field(default="", repr=False)
     licence: str = ""
-    package_directory: str = field(default="", repr=False)
+    folder: str = field(default="", repr=False)
+    package_dirs: tuple[str, ...] = field(default=(), repr=False)
     acceleration: NDArray[np.float64] | None = field(default=None, repr=False)
     jerk: NDArray[np.float64] | None = field(default=None, repr=False)
     rotor_inertia: NDArray[np.float64] | None = field(default=None, repr=False)
@@ -186,7 +189,7 @@ class Robot:
         from hitjoints.model.collision_shapes import build_shapes, read_shapes
 
         shapes, faults = read_shapes(self.xml)
-        geometry, more = build_shapes(self.model, shapes, self.package_directory)
+        geometry, more = build_shapes(self.model, shapes, self.folder, self.package_dirs)
         return geometry, faults + more
 
     @property
@@ -224,7 +227,7 @@ class Robot:
         """Hash of the meshes that clearance depends on, which the description only names."""
         from hitjoints.model.collision_shapes import mesh_digest
 
-        return mesh_digest(self.xml, self.package_directory)
+        return mesh_digest(self.xml, self.folder, self.package_dirs)
 
     @property
     def usual_joint(self) -> int:

@@ -9,8 +9,11 @@ import pinocchio as pin
 import pytest
 
 import hitjoints as hj
-from hitjoints.loading.load import erd_directory, load_robot
-from hitjoints.model.collision_shapes import read_shapes, without_shapes
+from hitjoints.loading.catalogue import erd_directory
+from hitjoints.loading.load import load_robot
+from hitjoints.model.collision_shapes import read_shapes
+from hitjoints.model.urdf import read_urdf
+from hitjoints.model.urdf_text import urdf_text
 
 X = [1, 0, 0]
 BALL = '<collision><geometry><sphere radius="0.05"/></geometry></collision>'
@@ -76,10 +79,9 @@ def test_shapes_are_those_of_urdfdom(arm, name):
         np.testing.assert_array_equal(a.geometry.aabb_local.max_, b.geometry.aabb_local.max_)
 
 
-def test_the_model_does_not_depend_on_shapes(arm):
-    robot = arm("panda")
-    whole = pin.buildModelFromXML(robot.xml)
-    bare = pin.buildModelFromXML(without_shapes(robot.xml))
+def test_shapes_do_not_change_the_model(arm):
+    tree = read_urdf(arm("panda").xml, "panda")
+    whole, bare = (pin.buildModelFromXML(urdf_text(tree, shapes=s)) for s in (True, False))
     assert whole == bare
 
 
