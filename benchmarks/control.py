@@ -20,8 +20,8 @@ from benchmarks.contest import Peer, contest, near
 from benchmarks.harness import Figure, Remark, Row, Work
 from benchmarks.peers.control_step import PyBulletStep, Solve
 from benchmarks.peers.osqp import OsqpInPlace, QpSolvers
+from hitjoints.hit import Hit
 from hitjoints.hitting.controller import Controller
-from hitjoints.hitting.flux_hit import Hit
 from hitjoints.model.robot import Robot
 from hitjoints.planning.planner import plan
 from hitjoints.rollouts.follow import rollout
@@ -209,8 +209,8 @@ def failure(result: Rollout) -> str:
         return f"miss {1e3 * impact.miss:.2f} mm"
     if impact.direction_error > 2:
         return f"direction {impact.direction_error:.2f} deg"
-    if abs(impact.flux / result.hit.flux - 1) > 0.01 and not impact.saturated:
-        return f"flux {impact.flux:.3f} instead of {result.hit.flux:.3f}"
+    if abs(impact.flux / result.hit.desired_flux - 1) > 0.01 and not impact.saturated:
+        return f"flux {impact.flux:.3f} instead of {result.hit.desired_flux:.3f}"
     return ""
 
 
@@ -227,7 +227,7 @@ def judge_hits(count: int) -> dict[str, Any]:
         times.append(1e6 * optimised.step_times)
         reason = failure(optimised)
         if reason:
-            failures.append(f"joint {robot.contact(hit.contact).joint}: {reason}")
+            failures.append(f"joint {robot.contact(hit.chosen_contact).joint}: {reason}")
         if optimised.impact is not None:
             saturated += optimised.impact.saturated
             misses.append(optimised.impact.miss)

@@ -13,7 +13,7 @@ from .option_groups import OptionGroup
 from .options import numbers, triple
 
 if TYPE_CHECKING:
-    from hitjoints.hitting.flux_hit import Hit
+    from hitjoints.hit import Hit
     from hitjoints.model.robot import Contact, Robot
 
 OBJECT = "0.5,0.3,0.5"
@@ -149,7 +149,7 @@ class AskedHit:
         """
         import numpy as np
 
-        from hitjoints.hitting.flux_hit import Hit
+        from hitjoints.hit import Hit
 
         at, along = np.array(self.position), np.array(self.direction)
         flux = FLUX if self.flux is None else self.flux
@@ -191,5 +191,11 @@ def _one(name: str, asked: Any, planned: Any) -> Any:
     same = np.shape(asked) == np.shape(planned)
     if not same or not np.allclose(asked, planned, rtol=0, atol=SAME):
         option = {"position": "object", "directions": "direction", "joints": "joint"}
-        raise InputError(option.get(name, name), asked, f"the plan is for {planned}")
+        words = f"the plan is for {_words(planned)}"
+        raise InputError(option.get(name, name), _words(asked), words)
     return asked
+
+
+def _words(value: Any) -> str:
+    """Return a number, or several, as they are typed."""
+    return ",".join(map(_words, value)) if isinstance(value, (list, tuple)) else str(value)

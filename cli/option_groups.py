@@ -33,7 +33,7 @@ class Without(NamedTuple):
 
 
 def without(*names: str) -> Without:
-    """Name the options of a group that a command has no use for; stands beside it in `Annotated`."""
+    """Name the options of a group that a command has no use for, beside it in `Annotated`."""
     return Without(frozenset(names))
 
 

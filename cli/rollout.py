@@ -64,7 +64,7 @@ def rollout(
     if output.as_json:
         said = {
             "robot": robot.robot,
-            "joint": arm.contact(wanted.contact).joint,
+            "joint": arm.contact(wanted.chosen_contact).joint,
             "flux": wanted.flux,
             "torque_limits": start.torque_limits,
         }
@@ -103,7 +103,7 @@ def _print(result: Rollout) -> None:
             ("inertia", impact.inertia, "kg"),
             ("desired inertia", impact.desired_inertia, "kg"),
             ("speed", impact.speed, "m/s"),
-            (f"flux, {hit.flux:g} m/s desired", impact.flux, "m/s"),
+            (f"flux, {hit.desired_flux:g} m/s desired", impact.flux, "m/s"),
             ("q", impact.q, "rad"),
         ]
     times = result.as_dict()["step_time_us"]
@@ -113,6 +113,6 @@ def _print(result: Rollout) -> None:
         ("greatest torque, of its limit", result.torque_ratio_max, ""),
         ("time of a control step", f"{times['median']:.0f}, 99 %: {times['p99']:.0f}", "us"),
     ]
-    joint = result.robot.contact(hit.contact).joint
+    joint = result.robot.contact(hit.chosen_contact).joint
     title = f"{result.robot.title}: joint {joint} hits {hit.words}"
     print_table(title, ("at the impact", "value", "unit"), rows)

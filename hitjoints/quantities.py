@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.errors import InputError
+from hitjoints.tolerances import moves
 from hitjoints.vectors import points, unit
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ def directional_inertia(
 
     Source: Khatib, Inertial properties in robotic manipulation, IJRR 14(1), 1995; Eq. 1.
     """
-    contact, q, h = _checked(robot, q, contact, direction)
+    contact, q, h = checked(robot, q, contact, direction)
     if q.ndim == 2:
         return _batch(robot, contact, "inertia", q, h)
     from hitjoints.dynamics.inertia import inertia_along
@@ -61,7 +62,7 @@ def directional_inertia_gradient(
         kg/rad: (n,) for one configuration, (N, n) for rows. A row whose direction is infeasible
         holds nan.
     """
-    contact, q, h = _checked(robot, q, contact, direction)
+    contact, q, h = checked(robot, q, contact, direction)
     if q.ndim == 2:
         return _batch(robot, contact, "gradient", q, h)
     from hitjoints.dynamics.inertia import inertia_and_gradient_along
@@ -89,7 +90,7 @@ def hitting_speed(
         InputError: as `directional_inertia`.
         SolverError: the linear program's answer could not be certified.
     """
-    contact, q, h = _checked(robot, q, contact, direction)
+    contact, q, h = checked(robot, q, contact, direction)
     if q.ndim == 2:
         return _batch(robot, contact, "straight_speed" if straight else "speed", q, h)
     from hitjoints.dynamics.kinematics import jacobian
@@ -97,6 +98,8 @@ def hitting_speed(
 
     jac = jacobian(robot, q, contact)
     limits = robot.velocity_lower, robot.velocity_upper
+    if not moves(jac, h @ jac):
+        return 0.0
     if straight:
         return solve_hitting_speed(jac, h, *limits, straight=True).speed
     return box_speed(h @ jac, *limits)[0]
@@ -158,9 +161,10 @@ def _chain_of(robot: Robot) -> Chain:
     return Chain.from_model(robot.model)
 
 
-def _checked(
+def checked(
     robot: Robot, q: ArrayLike, contact: Contact | int, direction: ArrayLike
 ) -> tuple[Contact, NDArray[np.float64], NDArray[np.float64]]:
+    """Return contact, configurations and unit directions; errors as `directional_inertia`."""
     contact, q, h = robot.contact(contact), robot.configuration(q), unit(direction)
     if h.ndim == 2 and (q.ndim == 1 or len(h) != len(q)):
         expected = "one direction" if q.ndim == 1 else f"one direction, or {len(q)} as in q"

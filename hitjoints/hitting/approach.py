@@ -79,7 +79,7 @@ class Approach:
         robot, hit = control.robot, control.hit
         patience = max(1, math.ceil(PATIENCE / control.dt))
         distance = control.ahead(position(robot, self.q, control.contact))
-        for _ in range(math.ceil((SLOWNESS * distance / hit.flux + GRACE) / control.dt)):
+        for _ in range(math.ceil((SLOWNESS * distance / hit.desired_flux + GRACE) / control.dt)):
             if not self._advance():
                 return
             here = position(robot, self.q, control.contact)

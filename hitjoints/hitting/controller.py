@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
+from hitjoints.dynamics.observation import State, observe
 from hitjoints.errors import InputError, UnknownNameError
+from hitjoints.hit import Hit
 from hitjoints.hitting.desired import DesiredInertia, Weighting
 from hitjoints.hitting.field import RATE, SIGMA, HittingField
-from hitjoints.hitting.flux_hit import Hit, State, observe
 from hitjoints.hitting.laws import LawName, Motion, law_named
 from hitjoints.hitting.manipulability_posture import most_manipulable
 from hitjoints.hitting.torque_limits import TorqueLimits
@@ -128,7 +129,7 @@ class Controller:
         if torque_limits and law != "qp":
             raise InputError("law", law, "torque limits are rows of the law 'qp'")
         self.robot, self.hit, self.dt = robot, hit, float(dt)
-        self.contact = robot.contact(hit.contact)
+        self.contact = robot.contact(hit.chosen_contact)
         self.position, self.direction = hit.position, hit.direction
         self.gains = Gains() if gains is None else gains
         if posture is None:

@@ -11,10 +11,10 @@ import pinocchio as pin
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InfeasibleError
+from hitjoints.hit import Hit
 from hitjoints.hitting.approach import Approach
 from hitjoints.hitting.controller import Controller, Gains, ReferenceName, Step
 from hitjoints.hitting.desired import Weighting
-from hitjoints.hitting.flux_hit import Hit
 from hitjoints.hitting.laws import LawName
 from hitjoints.rollouts.prepare import prepare
 from hitjoints.rollouts.record import Rollout
@@ -82,7 +82,7 @@ def rollout(
         torque_limits=torque_limits,
         seed=seed,
     )
-    contact, h = robot.contact(hit.contact), hit.direction
+    contact, h = robot.contact(hit.chosen_contact), hit.direction
     controller = Controller(
         robot,
         hit,

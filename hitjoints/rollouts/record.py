@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from xarray import Dataset
 
+    from hitjoints.hit import Hit
     from hitjoints.hitting.approach import Impact
-    from hitjoints.hitting.flux_hit import Hit
     from hitjoints.model.robot import Robot
 
     Array = NDArray[np.float64]
@@ -111,14 +111,14 @@ class Rollout:
         count = len(self.rows["q"])
         time = ("time", self.dt * np.arange(count), {"units": "s", "long_name": "time"})
         axis = ("axis", np.arange(1, self.robot.n + 1), {"units": "1", "long_name": "joint"})
-        contact = self.robot.contact(self.hit.contact)
+        contact = self.robot.contact(self.hit.chosen_contact)
         asked: dict[str, Any] = {
             "joint": contact.joint,
             "contact_offset": list(contact.offset),
             "object_position": self.hit.position.tolist(),
             "direction": self.hit.direction.tolist(),
             "mass": float(self.hit.mass),
-            "desired_flux": float(self.hit.flux),
+            "desired_flux": float(self.hit.desired_flux),
             "reason": self.reason,
         }
         if self.impact is not None:

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from hitjoints.errors import InputError
 from hitjoints.evidence.physics.engine_scene import SOLIMP
-from hitjoints.evidence.physics.restitution import (
+from hitjoints.impact.restitution import (
     LEAST,
     contact_spring,
     damping_ratio,

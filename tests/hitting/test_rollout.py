@@ -8,9 +8,9 @@ import pytest
 import hitjoints as hj
 from benchmarks.control import broken_limits, failure, feasible_hits, random_rollouts, tracking
 from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.hit import Hit
 from hitjoints.hitting.approach import crossing
 from hitjoints.hitting.controller import Controller
-from hitjoints.hitting.flux_hit import Hit
 from hitjoints.rollouts.follow import rollout
 from hitjoints.rollouts.prepare import prepare
 

@@ -12,8 +12,8 @@ from scipy.optimize import minimize
 import hitjoints as hj
 from benchmarks.control import broken_limits, random_rollouts
 from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.hit import Hit
 from hitjoints.hitting.controller import Controller
-from hitjoints.hitting.flux_hit import Hit
 from hitjoints.hitting.torque_limits import TorqueLimits, stopping_rate, stopping_speed
 from hitjoints.rollouts.follow import rollout
 

@@ -11,7 +11,7 @@ import pinocchio as pin
 from hitjoints.dynamics.kinematics import jacobian
 from hitjoints.evidence.physics.engine import engine
 from hitjoints.evidence.physics.engine_arm import arm_spec, link_name, quaternion
-from hitjoints.evidence.physics.restitution import contact_spring
+from hitjoints.impact.restitution import contact_spring
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from hitjoints.errors import InputError, UnknownNameError
-from hitjoints.evidence.physics.restitution import check_restitution
+from hitjoints.impact.restitution import check_restitution
 
 Mode = Literal["ideal", "realistic"]
 SHORTEST_CONTACT, LONGEST_CONTACT = 1e-6, 0.05

@@ -19,7 +19,7 @@ from hitjoints.rollouts.follow import rollout
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.hitting.flux_hit import Hit
+    from hitjoints.hit import Hit
     from hitjoints.model.robot import Robot
     from hitjoints.rollouts.record import Rollout
 
@@ -141,7 +141,7 @@ def impact_of(motion: Rollout) -> ImpactState:
     assert motion.impact is not None
     at = motion.impact
     return ImpactState(
-        robot.contact(hit.contact),
+        robot.contact(hit.chosen_contact),
         hit.direction,
         hit.mass,
         at.q,

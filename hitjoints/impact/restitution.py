@@ -14,6 +14,7 @@ contacts that pull.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 from hitjoints.errors import InputError
 
@@ -37,6 +38,7 @@ def restitution_of(damping_ratio: float) -> float:
     return math.exp(-damping_ratio * _ratio_and_length(damping_ratio)[1])
 
 
+@lru_cache(maxsize=256)
 def damping_ratio(restitution: float) -> float:
     """Return the damping ratio that gives a restitution; the inverse of `restitution_of`.
 

@@ -1,0 +1,126 @@
+"""Random arms on springs, and a referee that integrates their equations as they stand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hitjoints.impact.spring_arm import SpringArm
+
+JOINTS = 7
+STEPS = 2000
+LONGEST = 5
+
+
+@dataclass
+class Case:
+    """An arm, an object and the spring between them."""
+
+    M: np.ndarray
+    g: np.ndarray
+    B: np.ndarray
+    K: np.ndarray
+    D: np.ndarray
+    Kp: np.ndarray
+    Kd: np.ndarray
+    m: float
+    v: float
+    k: float
+    d: float
+    time: float
+
+    @property
+    def arm(self) -> SpringArm:
+        response = np.linalg.inv(self.M)
+        return SpringArm(response, self.g, self.B, self.K, self.D, (self.Kp, self.Kd))
+
+    @property
+    def fastest(self) -> float:
+        """A bound of the frequencies, rad/s."""
+        light = 1 / np.linalg.eigvalsh(self.M)[0] + 1 / self.B.min()
+        pair = self.g @ np.linalg.solve(self.M, self.g) + 1 / self.m
+        stiff = (self.K.max() + self.Kp.max()) * light + self.k * pair
+        return np.sqrt(stiff) + (self.D.max() + self.Kd.max()) * light + self.d * pair
+
+
+def random_case(random, *, stiffest=5.5, lightest=-2, servo=False, restitution=None) -> Case:
+    """Return a case: inertias of 10^lightest to 5 kg m^2, joints of 1e2 to 10^stiffest N m/rad."""
+    from hitjoints.impact.elastic import pair_spring
+
+    turn, _ = np.linalg.qr(random.normal(size=(JOINTS, JOINTS)))
+    M = turn * 10 ** random.uniform(lightest, 0.7, JOINTS) @ turn.T
+    g = random.normal(size=JOINTS) * 0.5
+    eps = random.uniform(0.05, 1.0) if restitution is None else restitution
+    mass, time = 10 ** random.uniform(-1, 0.7), 10 ** random.uniform(-3, -1.7)
+    zero = np.zeros(JOINTS)
+    case = Case(
+        M,
+        g,
+        B=10 ** random.uniform(lightest, 0.7, JOINTS),
+        K=10 ** random.uniform(2, stiffest, JOINTS),
+        D=random.choice([0.0, 1.0]) * random.uniform(0, 0.3, JOINTS),
+        Kp=random.uniform(0, 2e3, JOINTS) if servo else zero,
+        Kd=random.uniform(0, 30, JOINTS) if servo else zero,
+        m=mass,
+        v=random.uniform(0.2, 2.0),
+        k=0.0,
+        d=0.0,
+        time=time,
+    )
+    case.k, case.d = pair_spring(case.arm.mobility, mass, eps, time)
+    return case
+
+
+def integrate(cases: list[Case], *, steps: int = STEPS) -> np.ndarray:
+    """Return parting time, object speed and robot speed of every case (3, C).
+
+    By Runge and Kutta's steps of order 4, all cases at once; nan where they touch for more than
+    `LONGEST` contact times of the rigid pair.
+    """
+    n, size = JOINTS, 2 * JOINTS + 1
+
+    def of(name):
+        values = np.array([getattr(case, name) for case in cases])
+        return values if values.ndim > 1 else values[:, None]
+
+    inverse, g, B, K, D = np.linalg.inv(of("M")), of("g"), of("B"), of("K"), of("D")
+    Kp, Kd, m, v, k, d = of("Kp"), of("Kd"), of("m"), of("v"), of("k"), of("d")
+    h = 2 * of("time") / steps
+
+    def force(time, s):
+        depth = v * time + (g * s[:, :n]).sum(axis=1, keepdims=True) - s[:, 2 * n : 2 * n + 1]
+        moved = (g * s[:, size : size + n]).sum(axis=1, keepdims=True)
+        return k * depth + d * (v + moved - s[:, -1:])
+
+    def derivative(time, s):
+        q, t = s[:, :n], s[:, n : 2 * n]
+        dq, dt = s[:, size : size + n], s[:, size + n : size + 2 * n]
+        pull = K * (t - q) + D * (dt - dq)
+        push = force(time, s)
+        links = np.matmul(inverse, (pull - g * push)[:, :, None])[:, :, 0]
+        rotors = (-pull - Kp * t - Kd * dt) / B
+        return np.concatenate([s[:, size:], links, rotors, push / m], axis=1)
+
+    def step(time, s, h):
+        a = derivative(time, s)
+        b = derivative(time + h / 2, s + h / 2 * a)
+        c = derivative(time + h / 2, s + h / 2 * b)
+        e = derivative(time + h, s + h * c)
+        return s + h / 6 * (a + 2 * b + 2 * c + e)
+
+    time, state = np.zeros_like(h), np.zeros((len(cases), 2 * size))
+    touching = np.ones_like(h, dtype=bool)
+    while (touching & (time <= LONGEST * of("time"))).any():
+        after = step(time, state, h)
+        touching &= force(time + h, after) > 0
+        state, time = np.where(touching, after, state), np.where(touching, time + h, time)
+    low, high = np.zeros_like(h), h
+    for _ in range(50):
+        middle = (low + high) / 2
+        above = force(time + middle, step(time, state, middle)) > 0
+        low, high = np.where(above, middle, low), np.where(above, high, middle)
+    end = step(time, state, high)
+    robot = v[:, 0] + (g * end[:, size : size + n]).sum(axis=1)
+    found = np.array([(time + high)[:, 0], end[:, -1], robot])
+    return np.where(touching[:, 0], np.nan, found)
