@@ -209,7 +209,7 @@ def failure(result: Rollout) -> str:
         return f"miss {1e3 * impact.miss:.2f} mm"
     if impact.direction_error > 2:
         return f"direction {impact.direction_error:.2f} deg"
-    if abs(impact.flux / result.hit.desired_flux - 1) > 0.01 and not impact.saturated:
+    if abs(impact.flux / result.hit.desired_flux - 1) > 0.01:
         return f"flux {impact.flux:.3f} instead of {result.hit.desired_flux:.3f}"
     return ""
 

@@ -29,15 +29,15 @@ class OutputOptions(OptionGroup):
     ] = None
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False
 
-    def check(self) -> None:
-        """Refuse paths before any work is done for them.
+    def check(self, *inputs: str | Path | None) -> None:
+        """Refuse paths before any work is done for them; `inputs` are read, not written.
 
         Raises:
             InputError: one cannot be written.
         """
         from hitjoints.datasets.files import DATASET_ENDINGS
 
-        check_outputs(self.plot, (self.out, "out", DATASET_ENDINGS))
+        check_outputs(self.plot, (self.out, "out", DATASET_ENDINGS), inputs=inputs)
 
     def tell(self, *more: Path | None) -> None:
         """Say on stderr what was written."""

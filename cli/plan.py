@@ -114,7 +114,7 @@ def plan(
     from hitjoints.planning.planner import plan as make_plan
 
     asked = hit.read()
-    check_outputs(output.plot, (output.out, "out", (".json",)))
+    check_outputs(output.plot, (output.out, "out", (".json",)), inputs=[robot.robot])
     arm = robot.load()
     around = room.read()
     planned = make_plan(
@@ -216,6 +216,8 @@ def _share(one: TorqueCost) -> str | None:
 
 
 def _row(one: Candidate, best: bool) -> list[object]:
+    from hitjoints.planning.words import at_most
+
     name = f"joint {one.joint}"
     if not one.feasible:
         return [name, "", "", "", "", "", "", f"no: {one.reason.partition(':')[0]}"]
@@ -225,4 +227,4 @@ def _row(one: Candidate, best: bool) -> list[object]:
     sure = f"{proof}{evidence['agreeing']}/{len(evidence['restarts'])}"
     verdict = f"best: {one.reason}" if best else one.reason
     numbers = (one.inertia, one.speed, one.straight_speed, one.flux, one.straight_flux)
-    return [name, *(f"{value:.3g}" for value in numbers), sure, verdict]
+    return [name, *(at_most(float(value or 0.0)) for value in numbers), sure, verdict]

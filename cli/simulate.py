@@ -93,16 +93,16 @@ class MovingOutputs(OutputOptions):
         Path | None, typer.Option("--animate", metavar="FILE", help="Draw the hit moving: .gif.")
     ] = None
 
-    def check(self) -> None:
-        """Refuse paths before any work is done for them.
+    def check(self, *inputs: str | Path | None) -> None:
+        """Refuse paths before any work is done for them; `inputs` are read, not written.
 
         Raises:
             InputError: one cannot be written.
         """
         from hitjoints.show.animation import ANIMATION_ENDINGS
 
-        super().check()
-        check_outputs(None, (self.animate, "animate", ANIMATION_ENDINGS))
+        super().check(*inputs)
+        check_outputs(None, (self.animate, "animate", ANIMATION_ENDINGS), inputs=inputs)
 
 
 def simulate(
@@ -119,7 +119,7 @@ def simulate(
     """
     from hitjoints.evidence.physics.simulation import simulate as run
 
-    output.check()
+    output.check(robot.robot, start.plan)
     planned = start.planned(robot.robot)
     asked = hit.read(planned)
     arm = robot.load()

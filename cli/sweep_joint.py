@@ -32,7 +32,7 @@ def sweep_joint(
     import hitjoints as hj
 
     asked = hit.read()
-    output.check()
+    output.check(robot.robot)
     arm = robot.load()
     swept = hj.sweep_joint(
         arm,

@@ -84,14 +84,14 @@ class MapOutputs(OptionGroup):
     plot: PlotOption = None
     as_json: JsonOption = False
 
-    def check(self) -> None:
-        """Refuse paths before any work is done for them.
+    def check(self, *inputs: str | Path | None) -> None:
+        """Refuse paths before any work is done for them; `inputs` are read, not written.
 
         Raises:
             InputError: one cannot be written.
         """
         stores = (self.out, "out", (".zarr",)), (self.netcdf, "nc", (".nc",))
-        check_outputs(self.plot, *stores, (self.csv, "csv", (".csv",)))
+        check_outputs(self.plot, *stores, (self.csv, "csv", (".csv",)), inputs=inputs)
 
 
 def sweep_workspace(
@@ -105,7 +105,7 @@ def sweep_workspace(
     import hitjoints as hj
 
     asked = hit.read()
-    output.check()
+    output.check(robot.robot)
     arm = robot.load()
     with _progress() as progress:
         swept = hj.sweep_workspace(

@@ -44,7 +44,7 @@ def view(
     from hitjoints.show.viewer import view as show
 
     asked, out = hit.read(), output.out
-    check_outputs(None, (out, "out", (".html",)))
+    check_outputs(None, (out, "out", (".html",)), inputs=[robot.robot])
     arm = robot.load()
     contact = asked.contact(arm)
     viewer = show(
