@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -60,22 +61,30 @@ def triple(text: str, argument: str) -> tuple[float, float, float]:
     return values[0], values[1], values[2]
 
 
-def check_outputs(plot: Path | None, *outputs: tuple[Path | None, str, tuple[str, ...]]) -> None:
+def check_outputs(
+    plot: Path | None,
+    *outputs: tuple[Path | None, str, tuple[str, ...]],
+    inputs: Iterable[str | Path | None] = (),
+) -> None:
     """Refuse output paths before any work is done for them.
 
     Args:
         plot: of the figure, if one is asked for.
         outputs: other paths, each with its option's name and the endings it may have.
+        inputs: what is read: no output may overwrite it.
 
     Raises:
-        InputError: an ending is not one of those, or a path cannot be written to.
+        InputError: an ending is not one of those, a path cannot be written to, or two are one.
     """
-    from hitjoints.datasets.files import check_writable
+    from hitjoints.datasets.files import check_apart, check_writable
     from hitjoints.show.figures import FIGURE_ENDINGS
 
+    asked = []
     for path, argument, endings in (*outputs, (plot, "plot", FIGURE_ENDINGS)):
         if path is not None:
             check_writable(path, argument, endings)
+            asked.append((path, argument))
+    check_apart(asked, (name for name in inputs if name is not None))
 
 
 RobotOption = Annotated[

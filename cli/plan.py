@@ -87,7 +87,7 @@ def plan(
     from hitjoints.planning.room.surroundings import Surroundings
 
     check_mass(mass)
-    check_outputs(plot, (out, "out", (".json",)))
+    check_outputs(plot, (out, "out", (".json",)), inputs=[robot])
     arm = load_robot(robot)
     size = None if object_size is None else triple(object_size, "object_size")
     around = Surroundings(size, table_height, margin)
@@ -189,6 +189,8 @@ def _share(one: TorqueCost) -> str | None:
 
 
 def _row(one: Candidate, best: bool) -> list[object]:
+    from hitjoints.planning.words import at_most
+
     name = f"joint {one.joint}"
     if not one.feasible:
         return [name, "", "", "", "", "", "", f"no: {one.reason.partition(':')[0]}"]
@@ -198,4 +200,4 @@ def _row(one: Candidate, best: bool) -> list[object]:
     sure = f"{proof}{evidence['agreeing']}/{len(evidence['restarts'])}"
     verdict = f"best: {one.reason}" if best else one.reason
     numbers = (one.inertia, one.speed, one.straight_speed, one.flux, one.straight_flux)
-    return [name, *(f"{value:.3g}" for value in numbers), sure, verdict]
+    return [name, *(at_most(float(value or 0.0)) for value in numbers), sure, verdict]

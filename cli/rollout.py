@@ -58,7 +58,9 @@ def rollout(
     speed_profile: Annotated[
         str, typer.Option("--speed-profile", help="Field beside the line: constant, or paper.")
     ] = "constant",
-    dt: Annotated[float, typer.Option("--dt", metavar="S", help="Control step.")] = 0.002,
+    dt: Annotated[
+        float, typer.Option("--dt", metavar="S", help="Control step, 2e-5 to 0.05 s.")
+    ] = 0.002,
     plan: PlanOption = None,
     q0: Q0Option = None,
     start: StartOption = None,
@@ -75,7 +77,7 @@ def rollout(
     from hitjoints.datasets.files import DATASET_ENDINGS
     from hitjoints.rollouts.follow import rollout as roll
 
-    check_outputs(plot, (out, "out", DATASET_ENDINGS))
+    check_outputs(plot, (out, "out", DATASET_ENDINGS), inputs=[robot, plan])
     arm, hit, starts = read_asked(
         robot, position, direction, mass, joint, contact_offset, flux, plan, q0, start
     )

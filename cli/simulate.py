@@ -114,7 +114,12 @@ def simulate(
     from hitjoints.evidence.physics.simulation import simulate as run
     from hitjoints.show.animation import ANIMATION_ENDINGS
 
-    check_outputs(plot, (out, "out", DATASET_ENDINGS), (animate, "animate", ANIMATION_ENDINGS))
+    check_outputs(
+        plot,
+        (out, "out", DATASET_ENDINGS),
+        (animate, "animate", ANIMATION_ENDINGS),
+        inputs=[robot, plan],
+    )
     arm, hit, starts = read_asked(
         robot, position, direction, mass, joint, contact_offset, flux, plan, q0, start
     )

@@ -52,7 +52,7 @@ def sweep_joint(
     from hitjoints.datasets.files import DATASET_ENDINGS, write_dataset
 
     check_mass(mass)
-    check_outputs(plot, (out, "out", DATASET_ENDINGS))
+    check_outputs(plot, (out, "out", DATASET_ENDINGS), inputs=[robot])
     swept = hj.sweep_joint(
         hj.load_robot(robot),
         numbers(position),

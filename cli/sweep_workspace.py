@@ -79,7 +79,13 @@ def sweep_workspace(
     from hitjoints.datasets.files import write_dataset
 
     check_mass(mass)
-    check_outputs(plot, (out, "out", (".zarr",)), (netcdf, "nc", (".nc",)), (csv, "csv", (".csv",)))
+    check_outputs(
+        plot,
+        (out, "out", (".zarr",)),
+        (netcdf, "nc", (".nc",)),
+        (csv, "csv", (".csv",)),
+        inputs=[robot],
+    )
     arm = hj.load_robot(robot)
     contact_point = triple(offset, "offset")
     with _progress() as progress:

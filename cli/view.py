@@ -57,7 +57,7 @@ def view(
     from hitjoints.show.viewer import view as show
 
     check_mass(mass)
-    check_outputs(None, (out, "out", (".html",)))
+    check_outputs(None, (out, "out", (".html",)), inputs=[robot])
     arm = load_robot(robot)
     chosen = arm.usual_joint if joint is None else joint
     viewer = show(

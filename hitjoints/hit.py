@@ -25,6 +25,9 @@ HOW_HARD = ("goal", "flux", "object_speed")
 GRAVITY = 9.81
 """m/s^2."""
 
+LEAST_FLUX = 1e-6
+"""m/s, the least flux that is a hit: an object so hit moves its own length in a day."""
+
 LEVEL = 1e-6
 """m, and share of the way, up to which object and goal count as equally high."""
 
@@ -83,10 +86,10 @@ class Hit:
         if len(said) > 1:
             raise InputError(said[1], getattr(self, said[1]), f"{said[0]} says how hard already")
         for name, words in (
-            ("flux", "a desired flux is finite and above 0 m/s"),
-            ("object_speed", "a desired speed is finite and above 0 m/s"),
+            ("flux", f"a desired flux is finite and at least {LEAST_FLUX:g} m/s"),
+            ("object_speed", f"a desired speed is finite and at least {LEAST_FLUX:g} m/s"),
         ):
-            self._number(name, words, lambda value: value > 0)
+            self._number(name, words, lambda value: value >= LEAST_FLUX)
         self._number("restitution", "it lies from 0 to 1", lambda value: 0 <= value <= 1)
         self._number("friction", "it is finite and above 0", lambda value: value > 0)
         self._number("yaw", "a finite angle in rad", lambda value: True)
@@ -216,6 +219,16 @@ class Hit:
     def __hash__(self) -> int:
         """Return a hash that equal hits share."""
         return hash((self.contact, self.position.tobytes(), self.mass, self.flux))
+
+
+def check_flux(flux: float) -> None:
+    """Refuse a flux (m/s) that no hit has.
+
+    Raises:
+        InputError: not finite, or less than `LEAST_FLUX`.
+    """
+    if not (math.isfinite(flux) and flux >= LEAST_FLUX):
+        raise InputError("flux", flux, f"a desired flux is finite and at least {LEAST_FLUX:g} m/s")
 
 
 def _vector(values: ArrayLike | None, name: str) -> Array:

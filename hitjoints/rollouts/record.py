@@ -37,6 +37,7 @@ VARIABLES = {
     "scaling": ("1", "share of the field's speed within the limits", ()),
     "saturated": ("1", "the desired flux was out of reach", ()),
     "braked": ("1", "no motion was certified", ()),
+    "emergency": ("1", "no way to rest within the limits was known", ()),
     "approach": ("1", "1 until the impact, 0 after it", ()),
     "position_margin": ("rad", "distance to the nearest position limit", ("axis",)),
     "velocity_margin": ("rad/s", "distance to the velocity limit", ("axis",)),
