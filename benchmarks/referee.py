@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 import hitjoints as hj
-from benchmarks.peers.scipy_plans import SciPyPlanner
+from tests.oracles.scipy_plans import SciPyPlanner
 
 ROBOTS = ("iiwa14", "iiwa7", "panda", "xarm7", "ur5")
 QUANTITIES = {

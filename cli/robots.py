@@ -27,7 +27,8 @@ def root(context: typer.Context) -> None:
 @app.command("list")
 def list_robots(as_json: JsonOption = False) -> None:
     """List the built-in robots."""
-    from hitjoints.loading.load import load_robot, robot_names
+    from hitjoints.loading.catalogue import robot_names
+    from hitjoints.loading.load import load_robot
 
     rows = []
     for name in robot_names():
@@ -66,11 +67,13 @@ def check(
     """Check the inertias and limits of a robot description, and say what a fault does."""
     from hitjoints.errors import ModelError
     from hitjoints.loading.check import Issue, check_arm
-    from hitjoints.loading.load import build_robot, describe
+    from hitjoints.loading.load import build_robot, read_arm
+    from hitjoints.loading.source import describe
 
     try:
         description = describe(robot)
-        issues = check_arm(description.arm, build_robot(description))
+        arm = read_arm(description)
+        issues = check_arm(arm, build_robot(description, arm))
     except ModelError as error:
         _print_issues(robot, [Issue("error", "", error.reason, "it cannot be loaded")], as_json)
         raise
