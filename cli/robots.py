@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .complaints import complain
-from .options import ROBOT, JsonOption
+from .options import JsonOption
 from .render import print_json, print_table
+from .robot_options import ROBOT
 
 if TYPE_CHECKING:
     from hitjoints.loading.check import Issue
