@@ -176,3 +176,12 @@ def _check_drives(robot: Robot) -> list[Issue]:
         for what, (values, effect) in missing.items()
         if values is None and not robot.model.armature.any()
     ]
+
+
+def check_shapes(robot: Robot) -> list[Issue]:
+    """Check that every collision shape can be read; this reads the meshes too."""
+    effect = "clearance is not known"
+    return [
+        Issue("warning", link, f"a collision shape cannot be read: {reason}", effect)
+        for link, reason in robot.shape_faults
+    ]
