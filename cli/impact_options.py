@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
+from .option_groups import OptionGroup
 from .options import numbers
 
 if TYPE_CHECKING:
@@ -14,14 +16,13 @@ if TYPE_CHECKING:
 MODELS = ("rigid", "rotor", "composite", "elastic")
 CONTACT_TIME, RESTITUTION = 0.01, 0.5
 
-ContactTimeOption = Annotated[
-    float | None,
-    typer.Option("--contact-time", metavar="S", help=f"elastic: s. (default: {CONTACT_TIME:g})"),
-]
-RestitutionOption = Annotated[
-    float | None,
-    typer.Option("--restitution", help=f"elastic: from 0 to 1. (default: {RESTITUTION:g})"),
-]
+
+def of_joints(text: str | None) -> Any:
+    """Read one number for all joints, or one for each; None when nothing is given."""
+    values = None if text is None else numbers(text)
+    return values[0] if values is not None and len(values) == 1 else values
+
+
 StiffnessOption = Annotated[
     str | None,
     typer.Option(
@@ -40,16 +41,31 @@ RotorOption = Annotated[
 ]
 
 
-class Drives(NamedTuple):
-    """What is asked about the drives; None: as the robot or usually."""
+@dataclass(frozen=True)
+class ImpactOptions(OptionGroup):
+    """What the arm shows in a hit."""
 
-    contact_time: float | None = None
-    restitution: float | None = None
-    stiffness: str | None = None
-    rotor_inertia: str | None = None
+    panel: ClassVar[str] = "What the arm shows in a hit"
 
-    def check(self, model: str | None, choices: tuple[str, ...] = (*MODELS, "all")) -> None:
-        """Refuse a model that is none of the choices, and what is given without one.
+    impact: Annotated[
+        str | None,
+        typer.Option("--impact", metavar="MODEL", help=f"{', '.join(MODELS)}, or all of them."),
+    ] = None
+    contact_time: Annotated[
+        float | None,
+        typer.Option(
+            "--contact-time", metavar="S", help=f"elastic: how long. (default: {CONTACT_TIME:g})"
+        ),
+    ] = None
+    restitution: Annotated[
+        float | None,
+        typer.Option("--restitution", help=f"elastic: from 0 to 1. (default: {RESTITUTION:g})"),
+    ] = None
+    stiffness: StiffnessOption = None
+    rotor_inertia: RotorOption = None
+
+    def check(self) -> None:
+        """Refuse an unknown model, and what is given without one.
 
         Raises:
             UnknownNameError: no such model.
@@ -57,61 +73,50 @@ class Drives(NamedTuple):
         """
         from hitjoints.errors import UnknownNameError
 
-        if model is None:
-            given = [name for name in self._fields if getattr(self, name) is not None]
-            if given:
-                option = given[0].replace("_", "-")
-                raise typer.BadParameter(f"--{option} needs --impact, the model that reads it")
-        elif model not in choices:
-            raise UnknownNameError("impact", model, choices)
+        if self.impact is None:
+            for item in fields(self):
+                if getattr(self, item.name) is not None:
+                    option = item.name.replace("_", "-")
+                    raise typer.BadParameter(f"--{option} needs --impact, the model that reads it")
+        elif self.impact not in (*MODELS, "all"):
+            raise UnknownNameError("impact", self.impact, (*MODELS, "all"))
 
-    def of_joints(self, name: str) -> Any:
-        """Return the number that was given for all joints, or those for each; None if none."""
-        text = getattr(self, name)
-        values = None if text is None else numbers(text)
-        return values[0] if values is not None and len(values) == 1 else values
+    def of(
+        self, robot: Robot, q: Any, contact: Contact, direction: Any, mass: float, speed: float
+    ) -> dict[str, Any]:
+        """Return what the models make of a hit: kg each, and the elastic hit.
 
+        Raises:
+            HitjointsError: an option cannot be used, or the rotor inertia is not known.
+        """
+        import hitjoints as hj
 
-def impact_by_model(
-    robot: Robot,
-    q: Any,
-    contact: Contact,
-    direction: Any,
-    mass: float,
-    speed: float,
-    model: str,
-    drives: Drives,
-) -> dict[str, Any]:
-    """Return what one model, or "all" of them, make of a hit: kg each, and the elastic hit.
-
-    Raises:
-        HitjointsError: an option cannot be used, or the rotor inertia is not known.
-    """
-    import hitjoints as hj
-
-    rotors = drives.of_joints("rotor_inertia")
-    found: dict[str, Any] = {}
-    for name in MODELS if model == "all" else (model,):
-        if name != "elastic":
-            found[name] = hj.impact_inertia(
-                robot, q, contact, direction, name, rotor_inertia=rotors  # type: ignore[arg-type]
-            )
-            continue
-        time = CONTACT_TIME if drives.contact_time is None else drives.contact_time
-        restitution = RESTITUTION if drives.restitution is None else drives.restitution
-        stiffness = drives.of_joints("stiffness")
-        hit = hj.elastic_impact(
-            robot, q, contact, direction, mass, speed, restitution, time, stiffness,
-            rotor_inertia=rotors,
-        )  # fmt: skip
-        known = stiffness is not None or robot.joint_stiffness is not None
-        found[name] = hit.as_dict() | {
-            "speed": speed,
-            "restitution": restitution,
-            "rigid_contact_time": time,
-            "stiffness_assumed": not known,
-        }
-    return found
+        rotors, stiffness = of_joints(self.rotor_inertia), of_joints(self.stiffness)
+        found: dict[str, Any] = {}
+        for name in MODELS[:-1]:
+            if self.impact in (name, "all"):
+                found[name] = hj.impact_inertia(
+                    robot,
+                    q,
+                    contact,
+                    direction,
+                    name,
+                    rotor_inertia=rotors,  # type: ignore[arg-type]
+                )
+        if self.impact in ("elastic", "all"):
+            time = CONTACT_TIME if self.contact_time is None else self.contact_time
+            restitution = RESTITUTION if self.restitution is None else self.restitution
+            hit = hj.elastic_impact(
+                robot, q, contact, direction, mass, speed, restitution, time, stiffness,
+                rotor_inertia=rotors,
+            )  # fmt: skip
+            found["elastic"] = hit.as_dict() | {
+                "speed": speed,
+                "restitution": restitution,
+                "rigid_contact_time": time,
+                "stiffness_assumed": stiffness is None and robot.joint_stiffness is None,
+            }
+        return found
 
 
 def impact_rows(impact: dict[str, Any]) -> list[tuple[str, Any, str]]:

@@ -7,54 +7,22 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .complaints import complain
-from .impact_options import (
-    ContactTimeOption,
-    Drives,
-    RestitutionOption,
-    RotorOption,
-    StiffnessOption,
-    impact_by_model,
-    impact_rows,
-)
-from .options import (
-    DIRECTION,
-    MASS,
-    ORIGIN,
-    ROBOT,
-    ConfigurationOption,
-    DirectionOption,
-    JointOption,
-    JsonOption,
-    MassOption,
-    OffsetOption,
-    RobotOption,
-    check_mass,
-    numbers,
-    triple,
-)
+from .hit_options import HitOptions
+from .impact_options import ImpactOptions, impact_rows
+from .option_groups import without
+from .options import ConfigurationOption, JsonOption, numbers
 from .render import print_json, print_table
+from .robot_options import RobotOptions
 
 if TYPE_CHECKING:
     from hitjoints.model.robot import Contact, Robot
 
 
 def inspect(
-    robot: RobotOption = ROBOT,
-    joint: JointOption = None,
-    offset: OffsetOption = ORIGIN,
+    robot: RobotOptions,
+    hit: Annotated[HitOptions, without("position", "flux")],
+    impact: ImpactOptions,
     q: ConfigurationOption = None,
-    direction: DirectionOption = DIRECTION,
-    mass: MassOption = MASS,
-    impact: Annotated[
-        str | None,
-        typer.Option(
-            "--impact", metavar="MODEL", help="rigid, rotor, composite, elastic, or all of them."
-        ),
-    ] = None,
-    contact_time: ContactTimeOption = None,
-    restitution: RestitutionOption = None,
-    stiffness: StiffnessOption = None,
-    rotor_inertia: RotorOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Show position, inertia, gradient, speed and flux at one configuration.
@@ -62,24 +30,18 @@ def inspect(
     With --impact, what the arm shows in a hit at its greatest speed, by models of its drives.
     """
     from hitjoints.errors import InfeasibleError
-    from hitjoints.loading.load import load_robot
-    from hitjoints.model.robot import Contact
 
-    check_mass(mass)
-    drives = Drives(contact_time, restitution, stiffness, rotor_inertia)
-    drives.check(impact)
-    arm = load_robot(robot)
-    chosen = arm.usual_joint if joint is None else joint
-    contact = arm.contact(Contact(chosen, triple(offset, "offset")))
+    impact.check()
+    asked = hit.read()
+    arm = robot.load()
+    contact = asked.contact(arm)
     configuration = arm.within_limits(arm.home if q is None else numbers(q))
     try:
-        result = _quantities(arm, configuration, contact, numbers(direction), mass)
+        result = _quantities(arm, configuration, contact, asked.direction, asked.mass)
         reason = None
-        if impact is not None:
+        if impact.impact is not None:
             h, speed = result["direction"], result["speed"]
-            result["impact"] = impact_by_model(
-                arm, configuration, contact, h, mass, speed, impact, drives
-            )
+            result["impact"] = impact.of(arm, configuration, contact, h, asked.mass, speed)
     except InfeasibleError as error:
         result, reason = error.data, error.reason
     if as_json:
@@ -92,7 +54,7 @@ def inspect(
 
 
 def _quantities(
-    robot: Robot, q: Any, contact: Contact, direction: list[float], mass: float
+    robot: Robot, q: Any, contact: Contact, direction: tuple[float, ...], mass: float
 ) -> dict[str, Any]:
     """Compute what is shown.
 

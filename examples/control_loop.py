@@ -6,8 +6,8 @@ Replace `Joints` by what talks to your robot: it reports joint positions and tak
 import numpy as np
 
 import hitjoints as hj
+from hitjoints.hit import Hit
 from hitjoints.hitting.controller import Controller
-from hitjoints.hitting.flux_hit import Hit
 from hitjoints.rollouts.prepare import prepare
 
 PERIOD = 0.002  # s, 500 Hz

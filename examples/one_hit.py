@@ -3,7 +3,7 @@
 import numpy as np
 
 import hitjoints as hj
-from hitjoints.hitting.flux_hit import Hit
+from hitjoints.hit import Hit
 from hitjoints.rollouts.follow import rollout
 
 robot = hj.load_robot("iiwa14")

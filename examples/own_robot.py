@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import hitjoints as hj
-from hitjoints.hitting.flux_hit import Hit
+from hitjoints.hit import Hit
 from hitjoints.rollouts.follow import rollout
 
 LINK = """

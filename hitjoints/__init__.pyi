@@ -34,8 +34,8 @@ from .errors import (
 from .evidence.paper.reproduction import reproduce as reproduce
 from .evidence.physics.simulation import simulate as simulate
 from .evidence.recordings.replayer import replay as replay
+from .hit import Hit as Hit
 from .hitting.controller import Controller as Controller
-from .hitting.flux_hit import Hit as Hit
 from .impact.collision import (
     hitting_flux as hitting_flux,
 )
@@ -51,14 +51,12 @@ from .impact.collision import (
 from .impact.elastic import elastic_impact as elastic_impact
 from .impact.inertia_models import impact_inertia as impact_inertia
 from .impact.inertia_models import impact_inertia_gradient as impact_inertia_gradient
+from .loading.catalogue import robot_names as robot_names
 from .loading.load import (
     ModelWarning as ModelWarning,
 )
 from .loading.load import (
     load_robot as load_robot,
-)
-from .loading.load import (
-    robot_names as robot_names,
 )
 from .maps.joint_sweep import sweep_joint as sweep_joint
 from .maps.workspace import open_map as open_map

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.errors import InputError
+from hitjoints.tolerances import moves
 from hitjoints.vectors import points, unit
 
 if TYPE_CHECKING:
@@ -97,6 +98,8 @@ def hitting_speed(
 
     jac = jacobian(robot, q, contact)
     limits = robot.velocity_lower, robot.velocity_upper
+    if not moves(jac, h @ jac):
+        return 0.0
     if straight:
         return solve_hitting_speed(jac, h, *limits, straight=True).speed
     return box_speed(h @ jac, *limits)[0]

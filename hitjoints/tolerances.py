@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +11,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MOBILITY_FLOOR = 1e-16
-"""Below this h^T J M^-1 J^T h (1/kg) a contact cannot move along h: an infeasible direction."""
+"""Below this h^T J M^-1 J^T h (1/kg) an inertia is not told from an infinite one."""
 
 RANK = 1e-6
 """Motion below this share of a Jacobian's size, its Frobenius norm, counts as none.
@@ -19,8 +20,16 @@ Robot files write pi/2 as 1.5708, which gives a Jacobian of rank two a third sin
 to half of this; a direction kept to within it is kept to a millionth of a radian.
 """
 
+AT_MAXIMUM = 1e-6
+"""A wish that exceeds a maximum by no more than this share is at the maximum, and granted."""
+
 STILL = 1e-9
 """Motion below this (m/rad) counts as none however small the Jacobian: a point on the axes."""
+
+
+def moves(jacobian: NDArray[np.float64], pull: NDArray[np.float64]) -> bool:
+    """Tell whether a point moves along h at all, by its Jacobian (3, n) and the pull J^T h (n,)."""
+    return math.sqrt(pull @ pull) > float(rank_floor(jacobian))
 
 
 def rank_floor(jacobian: NDArray[np.float64]) -> Any:
@@ -36,3 +45,20 @@ def rank_floor(jacobian: NDArray[np.float64]) -> Any:
         m/rad, a float or (N,).
     """
     return np.maximum(RANK * np.sqrt((jacobian * jacobian).sum(axis=(-2, -1))), STILL)
+
+
+def exceeds(wish: float, most: float) -> bool:
+    """Tell whether a wish is beyond a maximum by more than round-off and solvers may leave."""
+    return wish > most * (1.0 + AT_MAXIMUM)
+
+
+def told_apart(wish: float, most: float) -> tuple[str, str]:
+    """Return two different numbers in words that differ, with four digits or as many as it takes.
+
+    A refusal that says "1.14 of the 1.14 asked for" contradicts itself.
+    """
+    for digits in range(4, 17):
+        words = f"{wish:.{digits}g}", f"{most:.{digits}g}"
+        if words[0] != words[1]:
+            break
+    return words

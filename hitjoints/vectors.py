@@ -50,6 +50,21 @@ def points(values: ArrayLike, argument: str) -> NDArray[np.float64]:
     return array
 
 
+def positive_mass(mass: object) -> float:
+    """Return the mass (kg) of an object that can be hit.
+
+    Raises:
+        InputError: it is not one finite number above 0.
+    """
+    try:
+        number = float(mass)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
+    if not (math.isfinite(number) and number > 0):
+        raise InputError("mass", mass, "an object weighs more than 0 kg")
+    return number
+
+
 def real(values: ArrayLike, argument: str, expected: str) -> NDArray[np.float64]:
     """Return real numbers as an array of floats, the same array when it is one.
 

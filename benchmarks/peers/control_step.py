@@ -54,7 +54,7 @@ class PyBulletStep:
         upper = np.minimum(self.fast, (self.high - q) / self.dt)
         pull = h @ seen.J
         reach = np.maximum(pull * lower, pull * upper).sum()
-        speed = min((1 + mass / seen.inertia) * self.hit.flux, WITHIN_REACH * reach)
+        speed = min((1 + mass / seen.inertia) * self.hit.desired_flux, WITHIN_REACH * reach)
         f = self.field(seen.position, speed)
         following = q + self.dt * self.eq12(seen.J, f, pull, speed, lower, upper)
         error = seen.inertia - self.arm.inertia(following, h)

@@ -13,7 +13,7 @@ import pinocchio as pin
 
 from hitjoints.dynamics.kinematics import WORLD_ALIGNED, point_jacobian
 from hitjoints.errors import InfeasibleError, ModelError
-from hitjoints.tolerances import MOBILITY_FLOOR
+from hitjoints.tolerances import moves
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -61,21 +61,20 @@ def factor_mass_matrix(model: Any, data: Any, q: NDArray[np.float64]) -> None:
         )
 
 
-def pull_and_response(
-    model: Any, data: Any, q: NDArray[np.float64], contact: Contact, h: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return g = J^T h and u = M^-1 g, the joint velocities that a unit impulse along h causes."""
-    g = h @ point_jacobian(model, data, q, contact)
+def response(
+    model: Any, data: Any, q: NDArray[np.float64], pull: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return u = M^-1 g, the joint velocities that a unit impulse of pull g = J^T h causes."""
     factor_mass_matrix(model, data, q)
-    return g, pin.cholesky.solve(model, data, g)
+    return np.asarray(pin.cholesky.solve(model, data, pull))
 
 
 def mobility(
     model: Any, data: Any, q: NDArray[np.float64], contact: Contact, h: NDArray[np.float64]
 ) -> float:
     """Return h^T J M^-1 J^T h (1/kg), the inverse of the directional inertia."""
-    g, u = pull_and_response(model, data, q, contact, h)
-    return float(g @ u)
+    g = h @ point_jacobian(model, data, q, contact)
+    return float(g @ response(model, data, q, g))
 
 
 def inertia_along(
@@ -87,7 +86,7 @@ def inertia_along(
         InfeasibleError: the contact cannot move along h.
         ModelError: the mass matrix is not positive definite.
     """
-    return 1.0 / require_mobile(mobility(robot.model, robot.data, q, contact, h), contact, h)
+    return _inertia_and_response(robot, q, contact, h)[0]
 
 
 def inertia_and_gradient_along(
@@ -98,10 +97,8 @@ def inertia_and_gradient_along(
     With u = M^-1 J^T h held fixed,
     d lambda / dq = -lambda^2 (2 h^T d(J u)/dq - u^T (dM/dq) u).
     """
-    model, data = robot.model, robot.data
-    g, u = pull_and_response(model, data, q, contact, h)
-    inertia = 1.0 / require_mobile(float(g @ u), contact, h)
-    still = robot.still
+    inertia, u = _inertia_and_response(robot, q, contact, h)
+    model, data, still = robot.model, robot.data, robot.still
     pin.computeForwardKinematicsDerivatives(model, data, q, u, still)
     # Of Pinocchio's velocity derivatives only the one of a point is d(J u)/dq.
     velocity_by_q = pin.getPointVelocityDerivatives(
@@ -112,16 +109,28 @@ def inertia_and_gradient_along(
     return inertia, -(inertia**2) * (2 * pull_by_q - u @ momentum_by_q)
 
 
-def require_mobile(mobility: float, contact: Contact, h: NDArray[np.float64]) -> float:
-    """Return the mobility (1/kg) of a contact along h.
+def _inertia_and_response(
+    robot: Robot, q: NDArray[np.float64], contact: Contact, h: NDArray[np.float64]
+) -> tuple[float, NDArray[np.float64]]:
+    jac = point_jacobian(robot.model, robot.data, q, contact)
+    g = h @ jac
+    u = response(robot.model, robot.data, q, g)
+    mobility = float(g @ u)
+    require_mobile(jac, mobility, contact, h)
+    return 1.0 / mobility, u
+
+
+def require_mobile(
+    jacobian: NDArray[np.float64], mobility: float, contact: Contact, h: NDArray[np.float64]
+) -> None:
+    """Refuse a direction h that a contact of that Jacobian and mobility (1/kg) cannot move along.
 
     Raises:
-        InfeasibleError: it is zero, the contact cannot move along h.
+        InfeasibleError: with the mobility, which is round-off.
     """
-    if mobility < MOBILITY_FLOOR:
+    if not moves(jacobian, h @ jacobian):
         raise InfeasibleError(
             f"infeasible direction: joint {contact.joint} cannot move along "
             f"({', '.join(f'{v:.4g}' for v in h)}) in this configuration",
             {"joint": contact.joint, "direction": h.tolist(), "mobility": mobility},
         )
-    return mobility

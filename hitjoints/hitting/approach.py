@@ -13,15 +13,21 @@ import numpy as np
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InfeasibleError
-from hitjoints.hitting.controller import Controller, Step
+from hitjoints.hitting.controller import MOST_STEPS, Controller, Step
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from hitjoints.hit import Hit
+
     Array = NDArray[np.float64]
 
 MISSED = 0.02
-"""m from the object at which crossing its plane is no hit any more."""
+"""m from the object at which crossing its plane is no hit any more;"""
+ASKEW = 5.0
+"""deg between the contact's velocity and the direction, and"""
+WEAK = 0.05
+"""share of the desired flux that may be missing, or too much, for the same."""
 STILL = 0.02
 """Share of the needed speed below which the contact counts as standing still,"""
 PATIENCE = 0.1
@@ -79,7 +85,8 @@ class Approach:
         robot, hit = control.robot, control.hit
         patience = max(1, math.ceil(PATIENCE / control.dt))
         distance = control.ahead(position(robot, self.q, control.contact))
-        for _ in range(math.ceil((SLOWNESS * distance / hit.flux + GRACE) / control.dt)):
+        steps = (SLOWNESS * distance / hit.desired_flux + GRACE) / control.dt
+        for _ in range(math.ceil(min(steps, MOST_STEPS))):
             if not self._advance():
                 return
             here = position(robot, self.q, control.contact)
@@ -139,17 +146,36 @@ class Approach:
             struck,
             step.saturated,
         )
-        if miss > MISSED:
-            self.reason = (
-                f"off the line: it passes the object at {miss:.3g} m; start nearer to the line or "
-                "further back"
-            )
+        self.reason = why_no_hit(hit, self.impact)
 
     def _stop(self) -> str:
         robot, q = self._control.robot, self.q
         at = np.flatnonzero((q - robot.lower < AT_LIMIT) | (robot.upper - q < AT_LIMIT))
         names = ", ".join(f"joint {i + 1} at {q[i]:.4g} rad" for i in at)
         return f", stopped by position limits ({names})" if names else ""
+
+
+def why_no_hit(hit: Hit, impact: Impact) -> str:
+    """Return what keeps an impact from being the hit that was asked for; empty if nothing does."""
+    if impact.miss > MISSED:
+        return (
+            f"off the line: it passes the object at {impact.miss:.3g} m; start nearer to the line "
+            "or further back"
+        )
+    if impact.direction_error > ASKEW:
+        return (
+            f"askew: the contact moves {impact.direction_error:.3g} degrees off the direction at "
+            f"the impact, more than {ASKEW:g}"
+        )
+    share = impact.flux / hit.desired_flux
+    if abs(share - 1.0) > WEAK:
+        reached = "too strong" if share > 1.0 else "too weak"
+        limited = ", as the limits let it on this way" if share < 1.0 and impact.saturated else ""
+        return (
+            f"{reached}: a flux of {impact.flux:.4g} m/s, {100 * share:.3g} % of what is desired"
+            f"{limited}"
+        )
+    return ""
 
 
 def crossing(ahead: Callable[[float], float], dt: float) -> float:

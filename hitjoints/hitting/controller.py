@@ -15,10 +15,12 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
+from hitjoints.dynamics.observation import State, observe
 from hitjoints.errors import InputError, UnknownNameError
+from hitjoints.hit import Hit
+from hitjoints.hitting.braking import Brake, Braked
 from hitjoints.hitting.desired import DesiredInertia, Weighting
 from hitjoints.hitting.field import RATE, SIGMA, HittingField
-from hitjoints.hitting.flux_hit import Hit, State, observe
 from hitjoints.hitting.laws import LawName, Motion, law_named
 from hitjoints.hitting.manipulability_posture import most_manipulable
 from hitjoints.hitting.torque_limits import TorqueLimits
@@ -36,6 +38,8 @@ ReferenceName = Literal["constant", "optimised"]
 SLOWED = 1.0 - 1e-6  # scalings below this count as slowed down
 BRAKING = 0.5  # share of the speed kept per step when no motion is certified
 TOUCH = 1e-6  # rad beyond a limit that rounding or a sensor may report of an arm that stands at it
+SHORTEST = 2e-5  # s, the shortest step: a quarter of what it costs
+MOST_STEPS = 100_000  # on the way to the object: ten seconds of computing
 STABLE = 0.5  # greatest share of an inertia error that one step may remove to first order
 
 
@@ -63,6 +67,9 @@ class Step(NamedTuple):
         scaling: share of the field's speed that the limits allow, 0 to 1.
         saturated: the desired flux was out of reach, or the motion had to be slowed down.
         braked: no motion was certified, so the arm slows down instead.
+        emergency: nor is a way to rest within all limits known: the arm brakes as hard as its
+            motors can, and where even that cannot keep a position or velocity limit, qd asks
+            for more torque than there is, but never for a velocity beyond a limit.
     """
 
     qd: Array
@@ -74,6 +81,7 @@ class Step(NamedTuple):
     scaling: float
     saturated: bool
     braked: bool
+    emergency: bool
 
 
 class Controller:
@@ -84,7 +92,7 @@ class Controller:
         hit: what is asked.
         q: (n,) rad, a configuration near the motion, such as its start: of equally good postures
             the nearest is taken.
-        dt: s, time from one step to the next.
+        dt: s, time from one step to the next, 2e-5 to 0.05.
         inertia: kg, the desired inertia if `reference` is "constant"; by default that of the
             posture.
         reference: "optimised" (Eq. 13) or "constant".
@@ -119,8 +127,8 @@ class Controller:
         speed_profile: Literal["paper", "constant"] = "constant",
         torque_limits: bool = False,
     ) -> None:
-        if not (math.isfinite(dt) and 0 < dt <= 1.0 / RATE):
-            raise InputError("dt", dt, f"a step longer than 0 s and at most {1 / RATE:g} s")
+        if not (math.isfinite(dt) and SHORTEST <= dt <= 1.0 / RATE):
+            raise InputError("dt", dt, f"a step of {SHORTEST:g} s to {1 / RATE:g} s")
         if reference not in ("constant", "optimised"):
             raise UnknownNameError("reference", reference, ("constant", "optimised"))
         if not ((robot.velocity_lower <= 0) & (robot.velocity_upper >= 0)).all():
@@ -128,7 +136,7 @@ class Controller:
         if torque_limits and law != "qp":
             raise InputError("law", law, "torque limits are rows of the law 'qp'")
         self.robot, self.hit, self.dt = robot, hit, float(dt)
-        self.contact = robot.contact(hit.contact)
+        self.contact = robot.contact(hit.chosen_contact)
         self.position, self.direction = hit.position, hit.direction
         self.gains = Gains() if gains is None else gains
         if posture is None:
@@ -137,6 +145,7 @@ class Controller:
         self._field = HittingField(self.position, self.direction, speed_profile=speed_profile)
         self._law = law_named(law, robot.n)
         self.torques = TorqueLimits(robot, self.dt) if torque_limits else None
+        self._brake = None if self.torques is None else Brake(robot, self.torques)
         self._desired = DesiredInertia(robot, self.contact, self.direction, self.dt, weighting)
         self._constant: float | None = None
         if reference == "constant":
@@ -157,10 +166,10 @@ class Controller:
         return float(self.direction @ (self.position - position))
 
     def check_step(self, q: ArrayLike) -> None:
-        """Refuse a dt in which the contact would cross the width of the field.
+        """Refuse a dt in which the contact would cross the width of the field, or hardly move.
 
         Raises:
-            InputError: the hit needs such a speed at q (n,) rad.
+            InputError: the hit needs such a speed at q (n,) rad, or more than `MOST_STEPS` steps.
             InfeasibleError: the contact cannot move along the direction there.
         """
         q = self.robot.within_limits(q)
@@ -169,6 +178,13 @@ class Controller:
         speed = min(self.hit.speed(state.inertia), reach)
         if speed * self.dt > SIGMA:
             expected = f"at a hitting speed of {speed:.3g} m/s at most {SIGMA / speed:.2g} s"
+            raise InputError("dt", self.dt, expected)
+        longest = MOST_STEPS * self.dt
+        if self.ahead(state.position) > speed * longest:
+            expected = (
+                f"{self.ahead(state.position):.3g} m at {speed:.3g} m/s take more than the "
+                f"{longest:.3g} s of {MOST_STEPS} steps; take longer steps, or a greater flux"
+            )
             raise InputError("dt", self.dt, expected)
 
     def bounds(self, q: Array) -> tuple[Array, Array]:
@@ -191,8 +207,7 @@ class Controller:
 
         Raises:
             InputError: q is outside the position limits by more than 1e-6 rad, or not finite.
-            InfeasibleError: the contact cannot move along the direction in this configuration, or
-                the torque limits leave no motion.
+            InfeasibleError: the contact cannot move along the direction in this configuration.
         """
         q = real(q, "q", f"{self._shape[0]} joint positions in rad")
         if q.shape != self._shape or not ((q >= self._low) & (q <= self._high)).all():
@@ -213,9 +228,10 @@ class Controller:
         if desired is None:
             desired = self._desired(q, state, f, pull, speed, out_of_reach, lower, upper, impulses)
         motion = self._law(state.J, f, self._wish(q, state, desired), lower, upper, impulses)
-        braked = motion is None or not self._can_stop(q, motion.qd)
+        braked, safe = motion is None or not self._can_stop(q, motion.qd), True
         if motion is None or braked:
-            motion = Motion(self.slower(q, now), 0.0)
+            qd_slower, safe = self.slower(q, now)
+            motion = Motion(qd_slower, 0.0)
         self._previous = motion.qd
         along = float(pull @ motion.qd)
         self.last = Step(
@@ -228,20 +244,21 @@ class Controller:
             motion.scaling,
             out_of_reach or motion.scaling < SLOWED,
             braked,
+            not safe,
         )
         return motion.qd
 
-    def slower(self, q: Array, qd: Array, share: float = BRAKING) -> Array:
+    def slower(self, q: Array, qd: Array, share: float = BRAKING) -> Braked:
         """Return the joint velocity (n,) rad/s of a step that slows the arm down.
 
         Args:
             q: (n,) rad. qd: (n,) rad/s, of the step before.
             share: of qd that is left, or less where limits demand it.
         """
-        if self.torques is not None:
-            return self.torques.slower(q, qd, share)
+        if self._brake is not None:
+            return self._brake.slower(q, qd, share)
         lower, upper = self.bounds(q)
-        return np.minimum(np.maximum(share * qd, lower), upper)
+        return Braked(np.minimum(np.maximum(share * qd, lower), upper), True)
 
     def follow(self, q: Array, qd: Array) -> Array:
         """Return the configuration (n,) rad after a step at qd (n,) rad/s from q (n,) rad."""

@@ -22,7 +22,7 @@ from hitjoints.programs.warm import WarmProgram
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.hitting.flux_hit import State
+    from hitjoints.dynamics.observation import State
     from hitjoints.model.robot import Contact, Robot
 
     Array = NDArray[np.float64]

@@ -126,13 +126,15 @@ class HittingField:
         ahead = float(h @ (self.target - here))
         if ahead < 0:
             raise InputError("start", here.tolist(), f"it lies {-ahead:.3g} m beyond the target")
+        if ahead == 0:
+            return self.lateral_error(here)
         fastest = max(-float(np.linalg.eigvalsh(self.A)[0]), self.speed / self.sigma)
         dt = 1.0 / (STEPS_PER_SCALE * fastest)
         for _ in range(MOST_STEPS):
             following = self._step(here, dt)
             left = float(h @ (self.target - following))
             if left <= 0:
-                part = ahead / (ahead - left)
+                part = ahead / (ahead - left) if left < ahead else 0.0  # a step shorter than a bit
                 return self.lateral_error(here + part * (following - here))
             here, ahead = following, left
             if self.lateral_error(here) < ON_THE_LINE:

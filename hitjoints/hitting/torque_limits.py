@@ -14,10 +14,9 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.errors import InfeasibleError, InputError
-from hitjoints.programs.hitting_speed import step_bounds
-from hitjoints.programs.joint_velocity import Terms
-from hitjoints.programs.torque_rows import Impulses, with_impulses
-from hitjoints.programs.warm import ROWS, WarmProgram
+from hitjoints.hitting.stopping import TINY, stopping_rate, stopping_speed
+from hitjoints.programs.torque_rows import Impulses
+from hitjoints.programs.warm import ROWS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,8 +35,6 @@ STILL = 1e-3
 """Share of a joint's greatest speed below which its stop is no moment of its own."""
 ROUNDING = 1e-12
 """rad by which a position may seem to be beyond its limit."""
-TINY = 1e-12
-"""In place of zero where a ratio has no bound."""
 
 
 class TorqueLimits:
@@ -55,12 +52,10 @@ class TorqueLimits:
         for i in np.flatnonzero(~(np.isfinite(robot.effort) & (robot.effort > 0))):
             expected = "torque limits need finite effort limits above 0 N m for every joint"
             raise InputError("robot", f"{robot.name}, joint {i + 1}: {robot.effort[i]}", expected)
-        self._robot, self._dt = robot, dt
+        self._robot, self.dt = robot, dt
         # A certified answer may miss a row by ROWS; the limit holds all the same.
         whole = dt * robot.effort
         self._limit = whole - np.minimum(2 * ROWS, RESERVE * whole)
-        self._stop = np.zeros(robot.n)
-        self._program = WarmProgram(2 * robot.n, robot.n)  # qd, p
         # A locked joint, of limit zero, stops at once, however it is divided.
         self._fastest = np.maximum(np.maximum(robot.velocity_upper, -robot.velocity_lower), TINY)
 
@@ -83,9 +78,7 @@ class TorqueLimits:
         """Return what the next step may change, at q (n,) rad and qd (n,) rad/s."""
         model, data = self._robot.model, self._robot.data
         M = np.array(pin.crba(model, data, q))
-        return Impulses(
-            M, self._dt * pin.nonLinearEffects(model, data, q, qd) - M @ qd, self._limit
-        )
+        return Impulses(M, self.dt * pin.nonLinearEffects(model, data, q, qd) - M @ qd, self._limit)
 
     def bounds(
         self, q: Array, qd: Array, impulses: Impulses, lower: Array, upper: Array
@@ -95,11 +88,9 @@ class TorqueLimits:
         What is reckoned with is what a joint can do alone, or together with the others that are
         near a limit. No bound asks for a greater deceleration than that.
         """
-        robot, dt = self._robot, self._dt
-        effects = np.abs(impulses.b + impulses.M @ qd) / dt
-        left = np.maximum(robot.effort - effects, LEAST * robot.effort)
-        M = np.abs(impulses.M)
-        rates = np.min(left[:, None] / np.maximum(M, TINY), axis=0)
+        robot, dt = self._robot, self.dt
+        left, M = self._left(qd, impulses), np.abs(impulses.M)
+        rates = self.rates_alone(qd, impulses)
         near = self._fastest**2 / rates > np.where(qd > 0, robot.upper - q, q - robot.lower)
         together = float(np.max(M @ np.where(near, self._fastest, 0.0) / left))
         rates = FORESIGHT * np.minimum(rates, self._fastest / max(together, TINY))
@@ -110,25 +101,41 @@ class TorqueLimits:
             np.minimum(upper, np.maximum(most, qd - rates * dt)),
         )
 
+    def rates_alone(self, qd: Array, impulses: Impulses) -> Array:
+        """Return the decelerations (n,) rad/s^2 that each joint could have if it braked alone."""
+        left, M = self._left(qd, impulses), np.abs(impulses.M)
+        return np.asarray(np.min(left[:, None] / np.maximum(M, TINY), axis=0))
+
     def can_stop(self, q: Array, qd: Array) -> bool:
-        """Tell whether there is a way from here to rest within the limits, and remember it.
+        """Tell whether there is a way from q (n,) rad, qd (n,) rad/s to rest within the limits."""
+        return self.way_to_rest(q, qd) is not None
+
+    def way_to_rest(self, q: Array, qd: Array, rates: Array | None = None) -> Array | None:
+        """Return the decelerations (n,) rad/s^2 of a way to rest within limits, if any is found.
 
         Every joint slows down evenly: as its position limit demands, and otherwise at half of the
         rates that all joints have together, whatever their signs. The torque is checked at the
         beginning and whenever a joint comes to rest; `RESERVE` is for what is between.
+
+        Args:
+            q: (n,) rad. qd: (n,) rad/s.
+            rates: (n,) rad/s^2, of a way begun before, to check in place of that one.
         """
         robot = self._robot
-        most = (1.0 - RESERVE) * robot.effort
+        most = (1.0 - RESERVE) * robot.effort if rates is None else robot.effort
         effects, M = self._effects(q, qd), self._mass(q)
         left = most - np.abs(effects)
         room = np.where(qd > 0, robot.upper - q, q - robot.lower)
         if not (left > 0).all() or (room < -ROUNDING).any():
-            return False
+            return None
         size, sign = np.abs(qd), np.sign(qd)
-        easy = 0.5 * self._fastest / float(np.max(np.abs(M) @ self._fastest / left))
-        rates = np.maximum(easy, stopping_rate(room, size, self._dt))
+        if rates is None:
+            easy = 0.5 * self._fastest / float(np.max(np.abs(M) @ self._fastest / left))
+            rates = np.maximum(easy, stopping_rate(room, size, self.dt))
+        elif (rates < stopping_rate(room, size, self.dt) * (1.0 - ROUNDING)).any():
+            return None
         if (np.abs(effects - M @ (sign * rates)) > most).any():
-            return False
+            return None
         times = size / rates
         for time in np.unique(times[size > STILL * self._fastest]):
             passed = np.minimum(time, times)
@@ -138,74 +145,17 @@ class TorqueLimits:
                 np.where(times >= time, -sign * rates, 0.0),
             )
             if (np.abs(pin.rnea(robot.model, robot.data, *state)) > robot.effort).any():
-                return False
-        self._stop = rates
-        return True
+                return None
+        return rates
 
-    def slower(self, q: Array, qd: Array, share: float) -> Array:
-        """Return the velocity (n,) after a step of slowing down.
-
-        Args:
-            q: (n,) rad. qd: (n,) rad/s.
-            share: of qd that is left, if the torques allow it and the arm can stop from there;
-                else the step is the next on the way to rest that `can_stop` finds, or, where the
-                torques do not allow that one, the nearest to it.
-
-        Raises:
-            InfeasibleError: the torque limits do not allow that either.
-        """
-        impulses, gentle = self.impulses(q, qd), share * qd
-        if impulses.allow(gentle) and self.can_stop(q + self._dt * gentle, gentle):
-            return gentle
-        self.can_stop(q, qd)  # as the step before was asked; else its way goes on
-        hard = np.sign(qd) * np.maximum(np.abs(qd) - self._dt * self._stop, 0.0)
-        return np.asarray(hard) if impulses.allow(hard) else self._nearest(q, hard, impulses)
-
-    def _nearest(self, q: Array, wanted: Array, impulses: Impulses) -> Array:
-        """Return the velocity (n,) nearest to the one wanted that a step can reach.
-
-        `can_stop` looks at a few moments of a way; between them, rarely, it asks for too much.
-
-        Raises:
-            InfeasibleError: none is certified within torques, velocities and positions.
-        """
-        robot, n = self._robot, wanted.size
-        limits = robot.lower, robot.upper, robot.velocity_lower, robot.velocity_upper
-        lower, upper = step_bounds(q, *limits, self._dt)
-        terms = with_impulses(Terms(np.eye(n), -wanted, np.zeros((0, n)), np.zeros(0)), impulses)
-        ends = ((lower, -impulses.limit), (upper, impulses.limit))
-        x = self._program.solve(*terms, *(np.concatenate(end) for end in ends))
-        if x is None:
-            raise InfeasibleError("the torque limits leave no way to slow down")
-        return x[:n]
+    def _left(self, qd: Array, impulses: Impulses) -> Array:
+        """Return the torques (n,) N m that are left for braking."""
+        effort = self._robot.effort
+        effects = np.abs(impulses.b + impulses.M @ qd) / self.dt
+        return np.asarray(np.maximum(effort - effects, LEAST * effort))
 
     def _mass(self, q: Array) -> Array:
         return np.asarray(pin.crba(self._robot.model, self._robot.data, q))
 
     def _effects(self, q: Array, qd: Array) -> Array:
         return np.asarray(pin.nonLinearEffects(self._robot.model, self._robot.data, q, qd))
-
-
-def stopping_speed(distance: Array, rate: Array, dt: float) -> Array:
-    """Return the greatest speeds (n,) from which joints stop within distances (n,), step by step.
-
-    With v the speed of the coming step and a deceleration `rate` (n,) from then on, the way is
-    dt (v + (v - rate dt) + (v - 2 rate dt) + ...); this solves it for v.
-    """
-    with np.errstate(invalid="ignore"):  # a joint without limits is infinitely far from them
-        more = np.floor((np.sqrt(1.0 + 8.0 * distance / (rate * dt**2)) - 1.0) / 2.0)
-        speed = distance / ((more + 1.0) * dt) + rate * dt * more / 2.0
-    return np.where(np.isfinite(distance), np.maximum(speed, 0.0), np.inf)
-
-
-def stopping_rate(distance: Array, speed: Array, dt: float) -> Array:
-    """Return the decelerations (n,) with which joints stop within distances (n,) after a step.
-
-    The step at `speed` (n,) ends here; the way still to come is dt ((v - a dt) + (v - 2 a dt) +
-    ...), and this solves it for a.
-    """
-    share = np.maximum(distance, 0.0) / np.maximum(speed * dt, TINY)
-    with np.errstate(invalid="ignore"):  # a joint without limits has all the way it wants
-        steps = np.floor(2.0 * share) + 1.0
-        rate = 2.0 * speed * (steps - share) / (steps * (steps + 1.0) * dt)
-    return np.where(np.isfinite(distance), rate, 0.0)

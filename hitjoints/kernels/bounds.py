@@ -36,8 +36,8 @@ class InertiaBounds:
         self.centre, self.index = centre, index
 
     def __call__(self, box: Interval, h: Array, threads: int | None) -> Interval:
-        """Bounds (B,) of the inertia (kg), infinite above where the box may hold an infeasible
-        point.
+        """Bounds (B,) of the inertia (kg) where the contact can move, infinite above where its
+        mobility may vanish.
         """
         middle = 0.5 * (box.lower + box.upper)
         count = len(middle)

@@ -45,8 +45,7 @@ class Kernel:
     ) -> dict[str, Array]:
         """Evaluate all contacts at all configurations.
 
-        Where a contact cannot move along the direction (mobility below `MOBILITY_FLOOR`) the limits
-        are
+        Where a contact cannot move along the direction (|J^T h| up to `rank_floor`) the limits are
         returned: inertia inf, gradient nan, speeds and fluxes 0.
 
         Args:

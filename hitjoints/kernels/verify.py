@@ -13,6 +13,7 @@ import pinocchio as pin
 from hitjoints.errors import KernelMismatchError
 from hitjoints.kernels.formulas.chain import Triple, velocity_limits
 from hitjoints.kernels.formulas.speeds import PARALLEL
+from hitjoints.tolerances import MOBILITY_FLOOR, rank_floor
 
 SAMPLES = 24
 TOLERANCES = {
@@ -31,8 +32,8 @@ TOLERANCES = {
 """Largest deviation, for kinematics and speeds relative to 1 plus their size, else to their
 size."""
 
-NEARLY_STUCK = 1e-8
-"""Below this mobility (1/kg) a sample is too close to an infeasible direction to compare."""
+NEARLY_STUCK = 10.0
+"""Up to so many times `rank_floor` a sample is too close to an infeasible direction to compare."""
 
 KINEMATIC = frozenset({"position", "jacobian"})
 RELATIVE = frozenset({"inertia", "mobility", "gradient", "mobility_gradient", "response"})
@@ -116,7 +117,8 @@ def check(
     for k, contact in enumerate(contacts):
         for i, (q, h, mass) in enumerate(zip(*inputs, strict=True)):
             reference = PinocchioAnswers.at(model, data, q, contact, h)
-            moves = reference.mobility > NEARLY_STUCK
+            pull = np.linalg.norm(reference.jacobian.T @ h)
+            moves = pull > NEARLY_STUCK * rank_floor(reference.jacobian)
             expected = _expected(reference, h, float(mass), low, high)
             if STRAIGHT.intersection(results) and i < STRAIGHT_SAMPLES:
                 speed = straight_optimum(reference.jacobian, h, low, high)
@@ -133,7 +135,7 @@ def _expected(
     reference: PinocchioAnswers, h: Array, mass: float, low: Array, high: Array
 ) -> dict[str, Any]:
     g = reference.jacobian.T @ h
-    mobility = max(reference.mobility, NEARLY_STUCK)
+    mobility = max(reference.mobility, MOBILITY_FLOOR)
     speed = np.where(g > 0.0, high, low) @ g if g.any() else 0.0
     return {
         "position": reference.position,
@@ -166,22 +168,20 @@ def _refuse(name: str, contact: tuple[int, Triple], deviation: float, allowed: f
 def straight_optimum(J: Array, h: Array, low: Array, high: Array) -> float:
     """Largest speed (m/s) exactly along h within the box, nan if no vertex could be certified.
 
-    For every pair of joints the others go to the bounds their reduced costs ask for and the pair
-    cancels the lateral motion. Joint speeds found so are optimal as soon as they are feasible:
-    complementary slackness.
+    For every choice of as many joints as there are rows across h, the others go to the bounds
+    their reduced costs ask for and these cancel the lateral motion. Joint speeds found so are
+    optimal as soon as they are feasible: complementary slackness.
     """
     g = J.T @ h
-    across = np.linalg.svd(h[None, :])[2][1:] @ J
-    norms = np.linalg.norm(across, axis=0)
-    pairs = [list(pair) for pair in itertools.combinations(np.flatnonzero(norms).tolist(), 2)]
-    bases = [
-        pair
-        for pair in pairs
-        if abs(np.linalg.det(across[:, pair])) > PARALLEL * norms[pair].prod()
-    ]
-    singles = [[i] for i in range(len(g))]
-    for base in bases or singles:
-        mu = np.linalg.lstsq(across[:, base].T, -g[base], rcond=PARALLEL)[0]
+    _, sizes, rows = np.linalg.svd(np.linalg.svd(h[None, :])[2][1:] @ J, full_matrices=False)
+    across = rows[sizes > rank_floor(J)]
+    rank, norms = len(across), np.linalg.norm(across, axis=0)
+    bases = map(list, itertools.combinations(np.flatnonzero(norms).tolist(), rank))
+    for base in bases:
+        square = across[:, base]
+        if not abs(np.linalg.det(square)) > PARALLEL * norms[base].prod():
+            continue
+        mu = -np.linalg.solve(square.T, g[base])
         reduced = g + mu @ across
         noise = 1e-13 * (np.abs(g) + np.abs(mu) @ np.abs(across))
         loose = [
@@ -192,8 +192,7 @@ def straight_optimum(J: Array, h: Array, low: Array, high: Array) -> float:
             for i, bound in zip(loose, corner, strict=False):
                 qd[i] = bound[i]
             qd[base] = 0.0
-            qd[base] = np.linalg.lstsq(across[:, base], -across @ qd, rcond=PARALLEL)[0]
-            inside = np.all((qd >= low - 1e-12) & (qd <= high + 1e-12))
-            if inside and np.abs(across @ qd).max() <= 1e-12:
+            qd[base] = np.linalg.solve(square, -across @ qd)
+            if np.all((qd >= low - 1e-12) & (qd <= high + 1e-12)):
                 return float(g @ qd)
     return np.nan

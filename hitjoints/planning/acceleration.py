@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.errors import InfeasibleError
+from hitjoints.hit import Hit
 from hitjoints.hitting.approach import Approach
 from hitjoints.hitting.controller import Controller
-from hitjoints.hitting.flux_hit import Hit
 
 if TYPE_CHECKING:
     from collections.abc import Callable

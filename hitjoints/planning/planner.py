@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.errors import InputError, UnknownNameError
+from hitjoints.hit import check_flux
 from hitjoints.impact.collision import required_speed
 from hitjoints.planning.candidates import Candidate, plain
 from hitjoints.planning.joint_plan import plan_joint
@@ -142,8 +143,8 @@ def plan(
         raise UnknownNameError("objective", objective, OBJECTIVES)
     if objective == "rebound" and flux is None:
         raise InputError("flux", flux, "rebound needs the flux to be reached (m/s)")
-    if flux is not None and not (math.isfinite(flux) and flux > 0):
-        raise InputError("flux", flux, "a flux to be reached is above 0 m/s")
+    if flux is not None:
+        check_flux(flux)
     if not (math.isfinite(mass) and mass > 0):
         raise InputError("mass", mass, "an object weighs more than 0 kg")
     if seed < 0:

@@ -15,7 +15,7 @@ from hitjoints.planning.acceleration import accelerated
 from hitjoints.programs.hitting_speed import solve_hitting_speed, step_bounds
 from hitjoints.programs.problem import Program
 from hitjoints.programs.proxqp import solve
-from hitjoints.tolerances import rank_floor
+from hitjoints.tolerances import rank_floor, told_apart
 from hitjoints.vectors import unit
 
 if TYPE_CHECKING:
@@ -278,9 +278,15 @@ def _obstacle(robot: Robot, q: Array, contact: Contact, h: Array, speed: float, 
     if stopped.size and top >= speed:
         names = ", ".join(f"joint {i + 1} at {q[i]:.4g} rad" for i in stopped)
         return f"stopped by position limits ({names})"
+    if top >= speed:
+        return (
+            "one step further back the velocity limits leave the contact on the line too little "
+            f"to go on at {speed:.3g} m/s"
+        )
+    wish, most = told_apart(speed, top)
     return (
-        f"the velocity limits let the contact move straight along the direction at {top:.3g} m/s "
-        f"at most there, too little to go on at {speed:.3g} m/s"
+        f"the velocity limits let the contact move straight along the direction at {most} m/s "
+        f"at most there, too little to go on at {wish} m/s"
     )
 
 

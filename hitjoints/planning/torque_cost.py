@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import jacobian, position
-from hitjoints.hitting.flux_hit import Hit
+from hitjoints.hit import Hit
 from hitjoints.planning.acceleration import run_from
 from hitjoints.planning.start import SETTLED, SHARES, plan_start
 from hitjoints.programs.hitting_speed import solve_hitting_speed

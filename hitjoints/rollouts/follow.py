@@ -11,10 +11,10 @@ import pinocchio as pin
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InfeasibleError
+from hitjoints.hit import Hit
 from hitjoints.hitting.approach import Approach
 from hitjoints.hitting.controller import Controller, Gains, ReferenceName, Step
 from hitjoints.hitting.desired import Weighting
-from hitjoints.hitting.flux_hit import Hit
 from hitjoints.hitting.laws import LawName
 from hitjoints.rollouts.prepare import prepare
 from hitjoints.rollouts.record import Rollout
@@ -60,12 +60,13 @@ def rollout(
         robot: the arm.
         hit: what is asked.
         q0, start, q_hit, run_up, seed: see `hitting.prepare.prepare`.
-        dt: s, the step.
+        dt: s, the step, 2e-5 to 0.05.
         reference, law, weighting, gains, speed_profile, torque_limits: see `Controller`.
 
     Returns:
         The result, with `impact` and `dataset`. It is no hit if `reason` is not empty: off the
-        line, standing still (and at which limit), or out of time.
+        line by more than 20 mm, off the direction by more than 5 degrees, off the flux by more than
+        5 %, standing still (and at which limit), or out of time.
 
     Raises:
         InputError: an argument cannot be used, such as a start outside the limits or beyond the
@@ -82,7 +83,7 @@ def rollout(
         torque_limits=torque_limits,
         seed=seed,
     )
-    contact, h = robot.contact(hit.contact), hit.direction
+    contact, h = robot.contact(hit.chosen_contact), hit.direction
     controller = Controller(
         robot,
         hit,
@@ -128,7 +129,7 @@ def _follow_through(control: Controller, q: Array, qd: Array) -> list[tuple[Arra
         if not qd.any():
             break
         left = max(count - i, 0)
-        qd = control.slower(q, qd, left / (left + 1))
+        qd, safe = control.slower(q, qd, left / (left + 1))
         here = position(robot, q, control.contact)
         along = float(h @ jacobian(robot, q, control.contact) @ qd)
         try:
@@ -136,7 +137,9 @@ def _follow_through(control: Controller, q: Array, qd: Array) -> list[tuple[Arra
         except InfeasibleError:
             break
         flux = control.hit.flux_of(inertia, along)
-        rows.append((q, Step(qd, here, inertia, math.nan, along, flux, 0.0, False, False)))
+        rows.append(
+            (q, Step(qd, here, inertia, math.nan, along, flux, 0.0, False, False, not safe))
+        )
         q = control.follow(q, qd)
     return rows
 

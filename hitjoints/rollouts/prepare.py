@@ -9,13 +9,15 @@ import numpy as np
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.programs.joint_velocity import WITHIN_REACH
 from hitjoints.quantities import hitting_speed, place_joint
+from hitjoints.tolerances import exceeds, told_apart
 from hitjoints.vectors import points
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.hitting.flux_hit import Hit
+    from hitjoints.hit import Hit
     from hitjoints.model.robot import Contact, Robot
     from hitjoints.planning.start import Start
 
@@ -63,7 +65,7 @@ def prepare(
         InfeasibleError: the object is out of reach, the flux is beyond the maximum (which `data`
             holds as `maximum_flux`), or there is no run-up.
     """
-    contact, target = robot.contact(hit.contact), hit.position
+    contact, target = robot.contact(hit.chosen_contact), hit.position
     if q0 is not None:
         if start is not None:
             raise InputError("start", start, "give a start position or q0, not both")
@@ -105,7 +107,7 @@ def _planned(
         hit.position,
         hit.direction,
         hit.mass,
-        joints=[hit.contact],
+        joints=[hit.chosen_contact],
         objective="straight-flux",
         seed=seed,
         certificate=False,
@@ -123,20 +125,23 @@ def _planned(
 def _start(robot: Robot, hit: Hit, q: Array, run_up: float | None, torque_limits: bool) -> Start:
     from hitjoints.planning.start import plan_start
 
-    contact, h = robot.contact(hit.contact), hit.direction
-    speed = hit.speed(inertia_along(robot, q, contact, h))
+    contact, h = robot.contact(hit.chosen_contact), hit.direction
+    straight = hitting_speed(robot, q, contact, h, straight=True)
+    # What the controller asks for too: at the very maximum round-off decides if there is a way.
+    speed = min(hit.speed(inertia_along(robot, q, contact, h)), WITHIN_REACH * straight)
     return plan_start(robot, q, contact, h, speed, run_up=run_up, torque_limits=torque_limits)
 
 
 def _refuse_flux(robot: Robot, hit: Hit, q: Array) -> None:
-    contact, h = robot.contact(hit.contact), hit.direction
+    contact, h = robot.contact(hit.chosen_contact), hit.direction
     straight = hitting_speed(robot, q, contact, h, straight=True)
     most = hit.flux_of(inertia_along(robot, q, contact, h), straight)
-    if hit.flux > most:
+    if exceeds(hit.desired_flux, most):
+        wish, limit = told_apart(hit.desired_flux, most)
         raise InfeasibleError(
-            f"a flux of {hit.flux:.4g} m/s is beyond the maximum of {most:.4g} m/s for motion "
+            f"a flux of {wish} m/s is beyond the maximum of {limit} m/s for motion "
             f"along the direction with joint {contact.joint} at the object",
-            {"maximum_flux": most, "flux": hit.flux},
+            {"maximum_flux": most, "flux": hit.desired_flux},
         )
 
 
@@ -159,14 +164,14 @@ def placed(robot: Robot, contact: Contact, where: Array, near: ArrayLike) -> Arr
 
 def _at_object(robot: Robot, hit: Hit, q: ArrayLike) -> Array:
     q = robot.within_limits(q, "q_hit")
-    error = float(np.linalg.norm(position(robot, q, hit.contact) - hit.position))
+    error = float(np.linalg.norm(position(robot, q, hit.chosen_contact) - hit.position))
     if error > AT_THE_OBJECT:
         raise InputError("q_hit", q.tolist(), f"it holds the contact {error:.3g} m off the object")
     return q
 
 
 def _behind(robot: Robot, hit: Hit, q: Array, argument: str) -> Array:
-    here = position(robot, q, hit.contact)
+    here = position(robot, q, hit.chosen_contact)
     ahead = float(hit.direction @ (hit.position - here))
     if ahead <= 0:
         expected = f"the contact starts {-ahead:.3g} m beyond the object; it must start behind it"

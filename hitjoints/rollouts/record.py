@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from xarray import Dataset
 
+    from hitjoints.hit import Hit
     from hitjoints.hitting.approach import Impact
-    from hitjoints.hitting.flux_hit import Hit
     from hitjoints.model.robot import Robot
 
     Array = NDArray[np.float64]
@@ -37,6 +37,7 @@ VARIABLES = {
     "scaling": ("1", "share of the field's speed within the limits", ()),
     "saturated": ("1", "the desired flux was out of reach", ()),
     "braked": ("1", "no motion was certified", ()),
+    "emergency": ("1", "no way to rest within the limits was known", ()),
     "approach": ("1", "1 until the impact, 0 after it", ()),
     "position_margin": ("rad", "distance to the nearest position limit", ("axis",)),
     "velocity_margin": ("rad/s", "distance to the velocity limit", ("axis",)),
@@ -111,14 +112,14 @@ class Rollout:
         count = len(self.rows["q"])
         time = ("time", self.dt * np.arange(count), {"units": "s", "long_name": "time"})
         axis = ("axis", np.arange(1, self.robot.n + 1), {"units": "1", "long_name": "joint"})
-        contact = self.robot.contact(self.hit.contact)
+        contact = self.robot.contact(self.hit.chosen_contact)
         asked: dict[str, Any] = {
             "joint": contact.joint,
             "contact_offset": list(contact.offset),
             "object_position": self.hit.position.tolist(),
             "direction": self.hit.direction.tolist(),
             "mass": float(self.hit.mass),
-            "desired_flux": float(self.hit.flux),
+            "desired_flux": float(self.hit.desired_flux),
             "reason": self.reason,
         }
         if self.impact is not None:

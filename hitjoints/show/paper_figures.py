@@ -116,7 +116,7 @@ def _draw_references(on: Experiments) -> Figure:
                 wanted = until_impact(hit, "desired_inertia")
                 axis.plot(*wanted, "k--", lw=1, label="desired" if k == 6 else None)
             if quantity == "flux" and k == 6:
-                axis.axhline(hit.hit.flux, color="k", ls="--", lw=1)
+                axis.axhline(hit.hit.desired_flux, color="k", ls="--", lw=1)
             if reference == "constant":
                 axis.set_ylabel(label)
         column[-1].set_xlabel("distance to the object (m)")

@@ -101,7 +101,7 @@ def _heading(arms: Mapping[str, Experiments], joint: int) -> str:
     assert hits is not None
     impact = hits.shown(joint).impact
     assert impact is not None
-    asked = hits.shown(joint).hit.flux
+    asked = hits.shown(joint).hit.desired_flux
     short = f" of {asked:g}" if impact.flux < asked / 2 else ""
     return (
         f"joint {joint}: {impact.inertia:.3g} kg at the impact, flux {impact.flux:.2g}{short} m/s"

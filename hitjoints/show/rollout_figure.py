@@ -27,7 +27,7 @@ def draw_rollout(result: Rollout) -> Figure:
     figure = Figure(figsize=(14 if forced else 10, 6.5), layout="constrained")
     axes = figure.subplots(2, 3 if forced else 2, sharex=True)
     time = result.dt * np.arange(len(rows["q"]))
-    joint = robot.contact(hit.contact).joint
+    joint = robot.contact(hit.chosen_contact).joint
     colour = colour_of(joint)
     (inertia, speed), (line, joints) = axes[:, :2]
     inertia.plot(time, rows["inertia"], color=colour, label=r"$\lambda$")
@@ -35,7 +35,7 @@ def draw_rollout(result: Rollout) -> Figure:
     inertia.set_ylabel("inertia (kg)")
     speed.plot(time, rows["speed"], color=colour, label="speed")
     speed.plot(time, rows["flux"], color=colour, alpha=0.5, label=r"flux $\phi$")
-    speed.axhline(hit.flux, color="k", ls="--", lw=1, label=r"desired flux $\phi^*$")
+    speed.axhline(hit.desired_flux, color="k", ls="--", lw=1, label=r"desired flux $\phi^*$")
     speed.set_ylabel("m/s")
     offset = rows["position"] - hit.position
     ahead = offset @ hit.direction

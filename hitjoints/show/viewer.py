@@ -17,7 +17,7 @@ import pinocchio as pin
 from hitjoints.dynamics.inertia import inertia_along, inverse_inertia
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import HitjointsError, InfeasibleError, InputError, MissingExtraError
-from hitjoints.hitting.flux_hit import Hit
+from hitjoints.hit import Hit
 from hitjoints.model.robot import Contact
 from hitjoints.planning.planner import plan
 from hitjoints.quantities import hitting_speed
@@ -99,7 +99,7 @@ class Viewer:
         except ImportError:
             raise MissingExtraError("viser", "view") from None
         self.robot, self.q = robot, q
-        self._offset = robot.contact(hit.contact).offset
+        self._offset = robot.contact(hit.chosen_contact).offset
         self._lock, self._moving = threading.RLock(), False
         shapes = solids(robot)
         self._carriers = [(one.joint, one.placement) for one in shapes]
@@ -178,12 +178,12 @@ class Viewer:
         self._numbers = gui.add_markdown("")
         with gui.add_folder("Hit"):
             joints = [str(k) for k in range(1, robot.n + 1)]
-            number = str(robot.contact(hit.contact).joint)
+            number = str(robot.contact(hit.chosen_contact).joint)
             self._joint = gui.add_dropdown("joint", joints, initial_value=number)
             self._at = gui.add_vector3("object (m)", tuple(hit.position), step=0.01)
             self._along = gui.add_vector3("direction", tuple(hit.direction), step=0.05)
             self._mass = gui.add_number("mass (kg)", float(hit.mass), step=0.1)
-            self._flux = gui.add_number("flux (m/s)", float(hit.flux), step=0.01)
+            self._flux = gui.add_number("flux (m/s)", float(hit.desired_flux), step=0.01)
             works = {
                 "place the joint at the object": self._place,
                 "plan for inertia": self._plan,
@@ -229,11 +229,11 @@ class Viewer:
 
     def _place(self) -> None:
         hit = self._hit()
-        self.move(placed(self.robot, self.robot.contact(hit.contact), hit.position, self.q))
+        self.move(placed(self.robot, self.robot.contact(hit.chosen_contact), hit.position, self.q))
 
     def _plan(self) -> None:
         hit = self._hit()
-        found = plan(self.robot, hit.position, hit.direction, hit.mass, [hit.contact])
+        found = plan(self.robot, hit.position, hit.direction, hit.mass, [hit.chosen_contact])
         if found.best is None or found.best.q is None:
             raise InfeasibleError(found.candidates[0].reason)
         self.move(found.best.q)
@@ -268,7 +268,7 @@ class Viewer:
 
     def _draw_hit(self, hit: Hit) -> str:
         """Draw contact, direction, object and inertia; say in Markdown what the inertia's is."""
-        scene, contact = self._server.scene, self.robot.contact(hit.contact)
+        scene, contact = self._server.scene, self.robot.contact(hit.chosen_contact)
         here, h = position(self.robot, self.q, contact), hit.direction
         colour = rgb(colour_of(contact.joint))
         scene.add_icosphere("/contact", POINT, colour, position=here)
@@ -311,7 +311,7 @@ def _silence() -> redirect_stdout[io.StringIO]:
 
 def _numbers(robot: Robot, q: Array, hit: Hit) -> str:
     """Return the quantities of a hit from q, as a table in Markdown."""
-    contact, h = robot.contact(hit.contact), hit.direction
+    contact, h = robot.contact(hit.chosen_contact), hit.direction
     here = position(robot, q, contact)
     rows = [("contact", ", ".join(f"{v:.3f}" for v in here), "m")]
     rows.append(("from the object", f"{np.linalg.norm(hit.position - here):.3f}", "m"))

@@ -6,7 +6,7 @@ import pytest
 import hitjoints as hj
 from benchmarks.simulation import judge, random_simulations
 from hitjoints.evidence.physics.simulation import simulate
-from hitjoints.hitting.flux_hit import Hit
+from hitjoints.hit import Hit
 
 
 def default_hit(**changes):

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 import hitjoints as hj
+from hitjoints.dynamics.observation import observe
 from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.hit import Hit
 from hitjoints.hitting.controller import Controller, Gains
-from hitjoints.hitting.flux_hit import Hit, observe
 from hitjoints.hitting.manipulability_posture import most_manipulable
 from hitjoints.programs.joint_velocity import solve_joint_velocity
 

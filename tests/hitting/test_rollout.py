@@ -6,13 +6,19 @@ import numpy as np
 import pytest
 
 import hitjoints as hj
-from benchmarks.control import broken_limits, failure, feasible_hits, random_rollouts, tracking
 from hitjoints.errors import InfeasibleError, InputError
-from hitjoints.hitting.approach import crossing
+from hitjoints.hit import Hit
+from hitjoints.hitting.approach import Impact, crossing, why_no_hit
 from hitjoints.hitting.controller import Controller
-from hitjoints.hitting.flux_hit import Hit
 from hitjoints.rollouts.follow import rollout
 from hitjoints.rollouts.prepare import prepare
+from tests.oracles.random_rollouts import (
+    broken_limits,
+    failure,
+    feasible_hits,
+    random_rollouts,
+    tracking,
+)
 
 OBJECT, ALONG = np.array([0.5, 0.3, 0.5]), np.array([0.0, 1.0, 0.0])
 Q0 = np.array([-0.34, 1.41, -1.38, 1.6, 0.48, 1.97, 1.32])
@@ -120,10 +126,30 @@ def test_a_start_beside_the_line_joins_it(robot, hit, profile):
     start = OBJECT - [0.03, 0.15, 0.02]
     result = rollout(robot, hit, start=start, speed_profile=profile)
     np.testing.assert_allclose(result.rows["position"][0], start, atol=1e-8)
-    assert result.reason == ""
     assert result.impact.miss < 2e-3
     slow = result.impact.flux < 0.95 * hit.flux
     assert slow == (profile == "paper")  # Eq. 5 is slow beside the line
+    assert result.reason.startswith("too weak: a flux of 0.2" if slow else "")
+    assert bool(result.reason) == slow
+
+
+@pytest.mark.parametrize(
+    ("miss", "angle", "flux", "words"),
+    [
+        (0.0, 0.0, 0.3, ""),
+        (0.019, 4.9, 0.286, ""),
+        (0.021, 0.0, 0.3, "off the line"),
+        (0.0, 5.1, 0.3, "askew: the contact moves 5.1 degrees"),
+        (0.0, 0.0, 0.21, "too weak: a flux of 0.21 m/s, 70 %"),
+        (0.0, 0.0, 0.33, "too strong: a flux of 0.33 m/s, 110 %"),
+    ],
+)
+def test_a_hit_has_position_direction_and_flux(hit, miss, angle, flux, words):
+    impact = Impact(0.1, OBJECT, miss, angle, 3.0, 3.0, 0.5, flux, np.zeros(7), True)
+    assert why_no_hit(hit, impact).startswith(words)
+    assert bool(why_no_hit(hit, impact)) == bool(words)
+    weak = "too weak" in words
+    assert ("as the limits let it" in why_no_hit(hit, impact)) == weak
 
 
 @pytest.mark.parametrize("reference", ["constant", "optimised"])

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import csv
-import importlib
 import json
 
 import numpy as np
 import pytest
-import typer
 import xarray as xr
 
 from hitjoints.cli import main
-from hitjoints.cli.plan import plan
-from hitjoints.cli.rollout import rollout
 
 IMPACT = {
     "time", "position", "miss", "direction_error", "inertia", "desired_inertia", "speed", "flux",
@@ -26,12 +22,8 @@ KEYS = {
 
 
 @pytest.fixture
-def run(capsys, monkeypatch):
+def run(capsys):
     """Run one of the two commands as the `hitjoints` script does: (code, stdout, stderr)."""
-    app = typer.Typer()
-    app.command("plan")(plan)
-    app.command("rollout")(rollout)
-    monkeypatch.setattr(importlib.import_module("hitjoints.cli.app"), "app", app)
 
     def call(*arguments):
         with pytest.raises(SystemExit) as leaving:
@@ -119,6 +111,9 @@ def test_the_figure_is_drawn(run, tmp_path):
         (["--mass", "-1"], 1, "mass = -1"),
         (["--dt", "0.04"], 1, "dt = 0.04"),
         (["--dt", "0"], 1, "dt = 0.0"),
+        (["--dt", "1e-7"], 1, "a step of 2e-05 s to 0.05 s"),
+        (["--flux", "1e-18"], 1, "at least 1e-06 m/s"),
+        (["--flux", "1e-6", "--start", "0.5,0.2,0.5"], 1, "more than the 200 s of 100000 steps"),
         (["--joint", "9"], 1, "joints 1 to 7"),
         (["--law", "pid"], 1, "paper, qp"),
         (["--reference", "best"], 1, "constant, optimised"),

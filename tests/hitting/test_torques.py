@@ -10,12 +10,15 @@ import pytest
 from scipy.optimize import minimize
 
 import hitjoints as hj
-from benchmarks.control import broken_limits, random_rollouts
 from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.hit import Hit
+from hitjoints.hitting.braking import Brake
 from hitjoints.hitting.controller import Controller
-from hitjoints.hitting.flux_hit import Hit
-from hitjoints.hitting.torque_limits import TorqueLimits, stopping_rate, stopping_speed
+from hitjoints.hitting.stopping import stopping_rate, stopping_speed
+from hitjoints.hitting.torque_limits import TorqueLimits
+from hitjoints.programs.hitting_speed import step_bounds
 from hitjoints.rollouts.follow import rollout
+from tests.oracles.random_rollouts import broken_limits, random_rollouts
 
 OBJECT, ALONG = np.array([0.5, 0.3, 0.5]), np.array([0.0, 1.0, 0.0])
 
@@ -82,9 +85,10 @@ def test_it_stops_at_a_position_limit_as_torque_over_inertia_says(urdf):
     assert not limits.can_stop(q, np.array([1.01 * fastest]))
     assert limits.can_stop(q, np.array([-fastest]))
     qd = np.array([0.95 * fastest])
-    assert limits.can_stop(q, qd)
+    brake = Brake(robot, limits)
     for _ in range(1000):
-        following = limits.slower(q, qd, 0.0)
+        following, safe = brake.slower(q, qd, 0.0)
+        assert safe
         assert qd[0] - following[0] <= 0.5 / 0.02 * 0.001 * (1 + 1e-9)
         q, qd = q + 0.001 * following, following
     assert qd[0] == 0
@@ -196,10 +200,8 @@ def test_a_way_to_rest_that_asks_for_too_much_between_its_moments(monkeypatch):
     """The one of a thousand random rollouts that needs the nearest step."""
     monkeypatch.setattr("benchmarks.control.rollout", lambda *given, **options: (given, options))
     given, options = next(islice(random_rollouts(999, torque_limits=True), 998, None))
-    nearest, taken = TorqueLimits._nearest, []
-    monkeypatch.setattr(
-        TorqueLimits, "_nearest", lambda *its: taken.append(nearest(*its)) or taken[-1]
-    )
+    nearest, taken = Brake._nearest, []
+    monkeypatch.setattr(Brake, "_nearest", lambda *its: taken.append(nearest(*its)) or taken[-1])
     result = rollout(*given, **options)
     assert len(taken) > 0
     assert broken_limits(result) == 0
@@ -209,6 +211,7 @@ def test_the_nearest_step_that_the_motors_can_make(arm):
     """Against SciPy's SLSQP, for ways to rest that ask for more torque than there is."""
     robot = arm("panda")
     limits, rng = TorqueLimits(robot, 0.002), np.random.default_rng(5)
+    brake = Brake(robot, limits)
     tight = 0
     for _ in range(30):
         q = rng.uniform(robot.lower, robot.upper)
@@ -217,12 +220,12 @@ def test_the_nearest_step_that_the_motors_can_make(arm):
         wanted = 0.5 * qd
         if impulses.allow(wanted):
             continue
-        found = limits._nearest(q, wanted, impulses)
+        within = robot.lower, robot.upper, robot.velocity_lower, robot.velocity_upper
+        low, high = step_bounds(q, *within, 0.002)
+        found = brake._nearest(wanted, impulses, low, high)
         assert (np.abs(found) <= robot.velocity_upper).all()
         torque = (impulses.M @ found + impulses.b) / 0.002
         assert (np.abs(torque) <= robot.effort).all()
-        low = np.maximum(robot.velocity_lower, (robot.lower - q) / 0.002)
-        high = np.minimum(robot.velocity_upper, (robot.upper - q) / 0.002)
         rows = np.vstack((impulses.M, -impulses.M))
         room = np.concatenate((impulses.limit - impulses.b, impulses.limit + impulses.b))
         best = minimize(

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import hitjoints as hj
-from hitjoints.hitting.flux_hit import Hit
+from hitjoints.hit import Hit
 from hitjoints.planning.start import SETTLED, fastest_start, plan_start
 from hitjoints.planning.torque_cost import torque_cost
 from hitjoints.rollouts.follow import rollout

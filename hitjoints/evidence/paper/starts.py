@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.dynamics.inertia import inertia_along
-from hitjoints.hitting.flux_hit import Hit
+from hitjoints.hit import Hit
 from hitjoints.model.robot import Contact
 from hitjoints.planning.posture import Posture, posture
 from hitjoints.quantities import place_joint

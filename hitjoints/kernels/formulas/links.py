@@ -121,6 +121,13 @@ class TracedArm:
         ]
         return moved + [0.0] * (len(self.links) - len(moved))
 
+    def size(self, reaches: list[Vector]) -> Scalar:
+        """Square of the Frobenius norm of J."""
+        total: Scalar = 0.0
+        for link, r in zip(self.links, reaches, strict=False):
+            total = total + (1.0 if link.prismatic else r[0] * r[0] + r[1] * r[1])
+        return total
+
     def columns(self, reaches: list[Vector]) -> list[Vector]:
         """Columns of J in the first link's frame, for the joints 0..last."""
         x: Vector = (1.0, 0.0, 0.0)

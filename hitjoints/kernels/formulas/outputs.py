@@ -7,16 +7,23 @@ from collections.abc import Sequence
 
 from hitjoints.errors import InputError
 from hitjoints.kernels.formulas.chain import Chain, Triple
-from hitjoints.kernels.formulas.links import TracedArm
+from hitjoints.kernels.formulas.links import TracedArm, dot
 from hitjoints.kernels.formulas.mass_matrix import (
     Factor,
     mass_matrix,
     mobility_gradient,
     twice_kinetic_energy,
 )
-from hitjoints.kernels.formulas.speeds import Box, lateral, straight_support, support
+from hitjoints.kernels.formulas.speeds import (
+    Box,
+    lateral,
+    principal,
+    product,
+    straight_support,
+    support,
+)
 from hitjoints.kernels.tape.trace import Scalar, Tape, Tracer, Vector, maximum, where_less
-from hitjoints.tolerances import MOBILITY_FLOOR
+from hitjoints.tolerances import MOBILITY_FLOOR, RANK, STILL
 
 Attachment = tuple[int, Triple]
 
@@ -46,10 +53,11 @@ class HitFormulas:
         self.factor = factor
         self.mobility_value = factor.mobility(self.y)
         self.box: Box = [(link.slowest, link.fastest) for link in arm.links]
+        self.floor = maximum(RANK**2 * arm.size(self.reaches), STILL**2)
 
     def if_feasible(self, value: Scalar, otherwise: float) -> Scalar:
-        """The value, or its limit when the contact cannot move along h."""
-        return where_less(self.mobility_value, MOBILITY_FLOOR, otherwise, value)
+        """The value, or its limit when the contact cannot move along h (`rank_floor`)."""
+        return where_less(self.floor, product(self.g, self.g), value, otherwise)
 
     def mobility(self) -> list[Scalar]:
         """h^T J M^-1 J^T h (1/kg)."""
@@ -82,8 +90,10 @@ class HitFormulas:
 
     def straight_speed(self) -> list[Scalar]:
         """The same for motion exactly along h (m/s)."""
-        across = tuple(self.arm.row(self.reaches, self.arm.in_links(a)) for a in lateral(self.h))
-        fastest = straight_support(self.g, (across[0], across[1]), self.box)
+        a, b = lateral(self.h)
+        rows = [self.arm.row(self.reaches, self.arm.in_links(v)) for v in (a, b)]
+        across = principal(rows[0], rows[1], self.floor * dot(a, a))
+        fastest = straight_support(self.g, across, self.box)
         return [self.if_feasible(fastest, 0.0)]
 
     def flux(self) -> list[Scalar]:

@@ -6,7 +6,15 @@ import itertools
 import math
 
 from hitjoints.kernels.formulas.links import cross
-from hitjoints.kernels.tape.trace import Scalar, Vector, absolute, maximum, minimum, where_less
+from hitjoints.kernels.tape.trace import (
+    Scalar,
+    Vector,
+    absolute,
+    maximum,
+    minimum,
+    square_root,
+    where_less,
+)
 
 PARALLEL = 1e-9
 """Sine of the angle below which two joints' lateral velocities count as parallel."""
@@ -36,21 +44,59 @@ def lateral(h: Vector) -> tuple[Vector, Vector]:
     return a, cross(h, a)
 
 
+def principal(a: list[Scalar], b: list[Scalar], floor: Scalar) -> tuple[list[Scalar], list[Scalar]]:
+    """Turn two rows into orthonormal ones with the same null space, the larger first.
+
+    A row that is no longer than a floor is zero: rounding alone would make it a constraint.
+
+    Args:
+        a, b: (n,) each.
+        floor: square of the floor.
+    """
+    aa, bb, ab = product(a, a), product(b, b), product(a, b)
+    root = square_root((aa - bb) * (aa - bb) + 4.0 * ab * ab)
+    # The principal axis of [[aa, ab], [ab, bb]], by the one of two formulas that does not cancel.
+    x = where_less(aa, bb, 2.0 * ab, aa - bb + root)
+    y = where_less(aa, bb, bb - aa + root, 2.0 * ab)
+    x = where_less(0.0, root, x, 1.0)
+    length = 1.0 / square_root(x * x + y * y)
+    x, y = x * length, y * length
+    pairs = list(zip(a, b, strict=True))
+    return (
+        _unit([x * u + y * v for u, v in pairs], floor),
+        _unit([x * v - y * u for u, v in pairs], floor),
+    )
+
+
+def product(a: list[Scalar], b: list[Scalar]) -> Scalar:
+    """Dot product of rows (n,)."""
+    total: Scalar = 0.0
+    for u, v in zip(a, b, strict=True):
+        total = total + u * v
+    return total
+
+
+def _unit(row: list[Scalar], floor: Scalar) -> list[Scalar]:
+    square = product(row, row)
+    scale = where_less(
+        floor, square, 1.0 / square_root(where_less(floor, square, square, 1.0)), 0.0
+    )
+    return [scale * value for value in row]
+
+
 def straight_support(
     g: list[Scalar], across: tuple[list[Scalar], list[Scalar]], box: Box
 ) -> Scalar:
     """Largest g . qd over the box with a . qd = b . qd = 0: the fastest motion exactly along h.
 
     The dual min over mu of sum_i max over the box of (g_i + mu . (a_i, b_i)) qd_i is convex and
-    piecewise
-    linear: its minimum is at a kink of two joints, of one joint if all lateral velocities are
-        parallel, or
-    at 0 if there are none. Every mu gives an upper bound, so the least over all kinks is the
-    maximum.
+    piecewise linear: its minimum is at a kink of two joints, of one joint if all lateral
+    velocities are parallel, or at 0 if there are none. Every mu gives an upper bound, so the least
+    over all kinks is the maximum.
 
     Args:
         g: speed along h per joint speed (n).
-        across: lateral speeds a, b per joint speed, (n) each.
+        across: lateral speeds a, b per joint speed, (n) each, as `principal` returns them.
         box: joint speed limits around 0.
     """
     a, b = across

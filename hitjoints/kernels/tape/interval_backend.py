@@ -77,6 +77,12 @@ def absolute(a: Interval) -> Interval:
     return Interval(np.where((a.lower <= 0.0) & (a.upper >= 0.0), 0.0, low), high)
 
 
+def square_root(a: Interval) -> Interval:
+    """Square root of what of a is not negative."""
+    lower, upper = (np.sqrt(np.maximum(x, 0.0)) for x in a)
+    return Interval(np.maximum(np.nextafter(lower, -np.inf), 0.0), np.nextafter(upper, np.inf))
+
+
 def minimum(a: Interval, b: Interval) -> Interval:
     """The smaller: at most either upper bound, even if the other is unknown."""
     return Interval(np.minimum(a.lower, b.lower), np.fmin(a.upper, b.upper))
@@ -131,6 +137,7 @@ FUNCTIONS: dict[str, Any] = {
     "min": minimum,
     "max": maximum,
     "select": select,
+    "sqrt": square_root,
     "sin": sine,
     "cos": cosine,
 }

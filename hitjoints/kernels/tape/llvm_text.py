@@ -14,6 +14,7 @@ SINE = tuple((-1.0) ** j / math.factorial(2 * j + 1) for j in range(12))
 COSINE = tuple((-1.0) ** j / math.factorial(2 * j) for j in range(12))
 
 INSTRUCTIONS = {"add": "fadd", "sub": "fsub", "mul": "fmul", "div": "fdiv"}
+INTRINSICS = {"abs": "fabs", "sqrt": "sqrt"}
 
 
 class Writer:
@@ -38,6 +39,7 @@ class Writer:
             f"declare {t} @llvm.fma.{s}({t}, {t}, {t})\n"
             f"declare {t} @llvm.rint.{s}({t})\n"
             f"declare {t} @llvm.fabs.{s}({t})\n"
+            f"declare {t} @llvm.sqrt.{s}({t})\n"
         )
 
     def constant(self, value: float) -> str:
@@ -103,8 +105,8 @@ class Writer:
             return self.binary(INSTRUCTIONS[name], *operands)
         if name == "neg":
             return self.let(f"fneg {self.type} {operands[0]}")
-        if name == "abs":
-            return self.call("fabs", *operands)
+        if name in INTRINSICS:
+            return self.call(INTRINSICS[name], *operands)
         if name in {"sin", "cos"}:
             return self.circular(name, operands[0])
         a, b = operands[:2]

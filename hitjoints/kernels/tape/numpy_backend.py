@@ -33,6 +33,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "abs": np.absolute,
     "min": np.minimum,
     "max": np.maximum,
+    "sqrt": np.sqrt,
     "sin": np.sin,
     "cos": np.cos,
 }

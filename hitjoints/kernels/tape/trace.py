@@ -184,6 +184,11 @@ def cos(x: Scalar) -> Scalar:
     return x.tracer.record("cos", x) if isinstance(x, Number) else math.cos(x)
 
 
+def square_root(x: Scalar) -> Scalar:
+    """Square root of x >= 0."""
+    return x.tracer.record("sqrt", x) if isinstance(x, Number) else math.sqrt(x)
+
+
 def absolute(x: Scalar) -> Scalar:
     """|x|."""
     if not isinstance(x, Number):

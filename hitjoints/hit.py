@@ -1,0 +1,261 @@
+"""What is wanted: which object, where, how heavy, which way, how hard, and with what."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hitjoints.errors import InputError, UnknownNameError
+from hitjoints.model.robot import Contact
+from hitjoints.vectors import points, positive_mass, unit
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
+
+HOW_HARD = ("goal", "flux", "object_speed")
+"""Ways to say how hard the hit is to be; at most one of them."""
+
+GRAVITY = 9.81
+"""m/s^2."""
+
+LEAST_FLUX = 1e-6
+"""m/s, the least flux that is a hit: an object so hit moves its own length in a day."""
+
+LEVEL = 1e-6
+"""m, and share of the way, up to which object and goal count as equally high."""
+
+UNCERTAIN = ("mass", "restitution", "friction", "yaw", "offset", "speed")
+"""What a standard deviation can be given for: the object's numbers, where it is touched (m, across
+the direction), and the arm's speed (as a share)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Hit:
+    """A wanted hit, the one description that everything takes and every result keeps.
+
+    Args:
+        contact: what hits: joint number or Contact; None tries the robot's hitting joints.
+        position: (3,) m, where the object is hit, robot base frame.
+        direction: (3,) hitting direction, unit length after construction; a goal gives it.
+        mass: kg, of the object, at rest.
+        flux: m/s, desired directional flux (Eq. 4); a goal or an object speed gives it; None asks
+            for no particular one.
+        goal: (3,) m, where the point that is hit is to come to rest, instead of direction and flux:
+            the object slides there on a level table.
+        object_speed: m/s, desired speed of the object after the hit, instead of a flux.
+        restitution: eps of the impact, 0 to 1; a goal or an object speed needs it (Eq. 3).
+        friction: mu of the object on its table; a goal needs it.
+        size: (3,) m, edges of the box along the direction, across it and upwards.
+        yaw: rad, how far the box is turned about the vertical, against the direction.
+        spread: standard deviations by name, see `UNCERTAIN`.
+
+    Raises:
+        InputError: an argument is out of its range, of wrong shape, not finite, or says what
+            another one says already.
+    """
+
+    contact: Contact | int | None
+    position: Array
+    direction: Array = None  # type: ignore[assignment]  # never None after construction
+    mass: float = None  # type: ignore[assignment]  # refused
+    flux: float | None = None
+    goal: Array | None = None
+    object_speed: float | None = None
+    restitution: float | None = None
+    friction: float | None = None
+    size: Array | None = None
+    yaw: float = 0.0
+    spread: Mapping[str, float] | None = None
+
+    def __post_init__(self) -> None:
+        if self.contact is not None and not isinstance(self.contact, Contact):
+            self._set("contact", Contact(self.contact))
+        self._set("position", _vector(self.position, "position"))
+        self._set("mass", positive_mass(self.mass))
+        if (self.goal is None) == (self.direction is None):
+            given = "neither" if self.goal is None else "both"
+            raise InputError("goal", given, "a hit has a direction or a goal, exactly one of them")
+        said = [name for name in HOW_HARD if getattr(self, name) is not None]
+        if len(said) > 1:
+            raise InputError(said[1], getattr(self, said[1]), f"{said[0]} says how hard already")
+        for name, words in (
+            ("flux", f"a desired flux is finite and at least {LEAST_FLUX:g} m/s"),
+            ("object_speed", f"a desired speed is finite and at least {LEAST_FLUX:g} m/s"),
+        ):
+            self._number(name, words, lambda value: value >= LEAST_FLUX)
+        self._number("restitution", "it lies from 0 to 1", lambda value: 0 <= value <= 1)
+        self._number("friction", "it is finite and above 0", lambda value: value > 0)
+        self._number("yaw", "a finite angle in rad", lambda value: True)
+        if self.size is not None:
+            size = _vector(self.size, "size")
+            if not (size > 0).all():
+                raise InputError("size", size.tolist(), "edges are above 0 m")
+            self._set("size", size)
+        self._set("spread", _spread(self.spread or {}))
+        self._aim()
+
+    def _aim(self) -> None:
+        """Find direction and flux from what was given instead."""
+        if self.goal is not None:
+            self._set("goal", _vector(self.goal, "goal"))
+            way = self.goal - self.position
+            distance = float(np.hypot(way[0], way[1]))
+            if abs(way[2]) > LEVEL * max(distance, LEVEL):
+                raise InputError("goal", self.goal.tolist(), "it lies as high as the object")
+            if distance == 0:
+                raise InputError("goal", self.goal.tolist(), "the object is there already")
+            self._set("direction", _frozen(unit(np.array([way[0], way[1], 0.0]))))
+            friction = self._needed("friction", "a goal")
+            speed = math.sqrt(2 * friction * GRAVITY * distance)
+            self._set("flux", speed / (1 + self._needed("restitution", "a goal")))
+            return
+        self._set("direction", _frozen(unit(_vector(self.direction, "direction"))))
+        if self.object_speed is not None:
+            restitution = self._needed("restitution", "an object speed")
+            self._set("flux", self.object_speed / (1 + restitution))
+
+    def _needed(self, name: str, what: str) -> float:
+        value = getattr(self, name)
+        if value is None:
+            raise InputError(name, value, f"{what} needs it")
+        return float(value)
+
+    def _set(self, name: str, value: Any) -> None:
+        object.__setattr__(self, name, value)
+
+    def _number(self, name: str, words: str, allowed: Callable[[float], bool]) -> None:
+        value = getattr(self, name)
+        if value is None:
+            return
+        try:
+            number = float(value)
+        except (TypeError, ValueError):
+            raise InputError(name, value, words) from None
+        if not (math.isfinite(number) and allowed(number)):
+            raise InputError(name, value, words)
+        self._set(name, number)
+
+    @property
+    def words(self) -> str:
+        """What is hit, where and which way, such as "2 kg at (0.5, 0.3, 0.5) m along (0, 1, 0)"."""
+        at = ", ".join(f"{v:g}" for v in self.position)
+        along = ", ".join(f"{v:.4g}" for v in self.direction)
+        return f"{self.mass:g} kg at ({at}) m along ({along})"
+
+    @property
+    def chosen_contact(self) -> Contact:
+        """What hits.
+
+        Raises:
+            InputError: no joint was chosen.
+        """
+        if not isinstance(self.contact, Contact):
+            raise InputError("joint", None, "one joint has to be chosen (`plan` chooses the best)")
+        return self.contact
+
+    @property
+    def desired_flux(self) -> float:
+        """The flux asked for, m/s.
+
+        Raises:
+            InputError: none was.
+        """
+        if self.flux is None:
+            raise InputError("flux", None, "a flux, an object speed or a goal is needed (m/s)")
+        return self.flux
+
+    def speed(self, inertia: float) -> float:
+        """Return the speed (m/s) that produces the flux at an inertia (kg): Eq. 4 solved for v."""
+        return (1.0 + self.mass / inertia) * self.desired_flux
+
+    def flux_of(self, inertia: float, speed: float) -> float:
+        """Return the flux (m/s) of an inertia (kg) and a speed (m/s), Eq. 4."""
+        return inertia / (inertia + self.mass) * speed
+
+    def with_contact(self, contact: Contact | int) -> Hit:
+        """Return the same hit with what hits."""
+        other = copy.copy(self)
+        other._set("contact", contact if isinstance(contact, Contact) else Contact(contact))
+        return other
+
+    def with_flux(self, flux: float) -> Hit:
+        """Return the same hit, asking for a flux (m/s)."""
+        known = {"contact", "position", "mass", "restitution", "friction", "size", "yaw", "spread"}
+        given = {name: getattr(self, name) for name in known}
+        return Hit(direction=self.direction, flux=flux, **given)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what was given, as JSON knows it; what was left out is left out."""
+        found = {"direction", "flux"} if self.goal is not None else set()
+        found |= {"flux"} if self.object_speed is not None else set()
+        given: dict[str, Any] = {}
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if item.name in found or value is None or (item.name == "yaw" and value == 0):
+                continue
+            if isinstance(value, Contact):
+                given |= {"joint": value.joint, "offset": list(value.offset)}
+            elif isinstance(value, np.ndarray):
+                given[item.name] = value.tolist()
+            elif not isinstance(value, Mapping):
+                given[item.name] = value
+            elif value:
+                given[item.name] = dict(value)
+        return given
+
+    def __eq__(self, other: object) -> bool:
+        """Tell whether two hits ask for the same."""
+        if not isinstance(other, Hit):
+            return NotImplemented
+        return self.as_dict() == other.as_dict()
+
+    def __hash__(self) -> int:
+        """Return a hash that equal hits share."""
+        return hash((self.contact, self.position.tobytes(), self.mass, self.flux))
+
+
+def check_flux(flux: float) -> None:
+    """Refuse a flux (m/s) that no hit has.
+
+    Raises:
+        InputError: not finite, or less than `LEAST_FLUX`.
+    """
+    if not (math.isfinite(flux) and flux >= LEAST_FLUX):
+        raise InputError("flux", flux, f"a desired flux is finite and at least {LEAST_FLUX:g} m/s")
+
+
+def _vector(values: ArrayLike | None, name: str) -> Array:
+    if values is None:
+        raise InputError(name, None, "three numbers x,y,z are needed")
+    vector = points(values, name)
+    if vector.shape != (3,):
+        raise InputError(name, f"shape {vector.shape}", "three numbers x,y,z")
+    return _frozen(vector)
+
+
+def _frozen(vector: Array) -> Array:
+    fixed = np.array(vector)
+    fixed.setflags(write=False)
+    return fixed
+
+
+def _spread(spread: Mapping[str, float]) -> dict[str, float]:
+    checked = {}
+    for name, value in spread.items():
+        if name not in UNCERTAIN:
+            raise UnknownNameError("spread", name, UNCERTAIN)
+        try:
+            number = float(value)
+        except (TypeError, ValueError):
+            number = math.nan
+        if not (math.isfinite(number) and number >= 0):
+            raise InputError(f"spread {name}", value, "a standard deviation is finite and >= 0")
+        checked[name] = number
+    return checked
