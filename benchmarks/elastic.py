@@ -46,7 +46,7 @@ class Compared(NamedTuple):
 def planned(name: str, count: int) -> list[tuple[ImpactState, float]]:
     """Return random planned hits, each with its restitution.
 
-    Joints 5 to 7, all directions, 0.2 m/s or faster, 0.5 to 4 kg, 30 to 80 % of the greatest straight flux,
+    Joints 5 to 7, all directions, 0.2 m/s or faster, 0.5 to 4 kg, 30 to 80 % of the greatest flux,
     restitution 0.2 to 0.95; the arm moves straight along the direction, no more than it must.
     """
     random = np.random.default_rng(5)

@@ -133,7 +133,6 @@ def elastic_impact(
         (per_joint(proportional, robot, "servo"), per_joint(derivative, robot, "servo")),
     )
     arm = SpringArm(*_links(robot, q, contact, h), *drives)
-    require_mobile(arm.mobility, contact, h)
     between = pair_spring(arm.mobility, mass, restitution, contact_time)
     if spring is not None:
         between = spring
@@ -163,10 +162,16 @@ def elastic_impact(
 
 
 def _links(robot: Robot, q: Array, contact: Contact, h: Array) -> tuple[Array, Array]:
-    """Return M^-1 (n, n) and g = J^T h (n,) at a configuration."""
-    g = h @ point_jacobian(robot.model, robot.data, q, contact)
+    """Return M^-1 (n, n) and g = J^T h (n,) at a configuration.
+
+    Raises:
+        InfeasibleError: the contact cannot move along h.
+    """
+    jacobian = point_jacobian(robot.model, robot.data, q, contact)
     factor_mass_matrix(robot.model, robot.data, q)
-    return np.linalg.inv(robot.data.M), g
+    inverse, g = np.linalg.inv(robot.data.M), h @ jacobian
+    require_mobile(jacobian, float(g @ inverse @ g), contact, h)
+    return inverse, g
 
 
 def _in_the_middle(

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 TOGETHER = 3.0
 """Contact times after which an impact is over, though the arm may still push: plastic ones end so.
-On elastic joints a light link may swing back and push in earnest: there the closed form says when."""
+On elastic joints a light link may swing back and push on: there it is the closed form's count."""
 
 
 @dataclass(frozen=True, eq=False)
