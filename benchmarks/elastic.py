@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 import hitjoints as hj
-from benchmarks.control import feasible_hits
 from hitjoints.evidence.physics.engine_scene import ImpactState
 from hitjoints.evidence.physics.setting import Setting
 from hitjoints.evidence.physics.strike import strike
+from tests.oracles.random_rollouts import feasible_hits
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -53,6 +53,8 @@ def planned(name: str, count: int) -> list[tuple[ImpactState, float]]:
     robot = hj.load_robot(name)
     found: list[tuple[ImpactState, float]] = []
     for hit, prepared in feasible_hits(robot, 2 * count, away=name == "iiwa14"):
+        assert hit.contact is not None
+        assert hit.flux is not None
         q, contact = prepared.q_hit, robot.contact(hit.contact)
         inertia = hj.directional_inertia(robot, q, contact, hit.direction)
         speed = hj.required_speed(inertia, hit.mass, hit.flux)

@@ -90,10 +90,11 @@ class ImpactOptions(OptionGroup):
             HitjointsError: an option cannot be used, or the rotor inertia is not known.
         """
         import hitjoints as hj
+        from hitjoints.impact.inertia_models import INERTIA_MODELS
 
         rotors, stiffness = of_joints(self.rotor_inertia), of_joints(self.stiffness)
         found: dict[str, Any] = {}
-        for name in MODELS[:-1]:
+        for name in INERTIA_MODELS:
             if self.impact in (name, "all"):
                 found[name] = hj.impact_inertia(
                     robot,
@@ -101,7 +102,7 @@ class ImpactOptions(OptionGroup):
                     contact,
                     direction,
                     name,
-                    rotor_inertia=rotors,  # type: ignore[arg-type]
+                    rotor_inertia=rotors,
                 )
         if self.impact in ("elastic", "all"):
             time = CONTACT_TIME if self.contact_time is None else self.contact_time

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -126,13 +126,14 @@ def elastic_impact(
         proportional, derivative = servo if servo is not None else (0.0, 0.0)
     except (TypeError, ValueError):
         raise InputError("servo", servo, "two gains: N m/rad and N m s/rad") from None
-    drives = (
+    gains = per_joint(proportional, robot, "servo"), per_joint(derivative, robot, "servo")
+    arm = SpringArm(
+        *_links(robot, q, contact, h),
         known_rotors(robot, rotor_inertia),
         known_stiffness(robot, stiffness),
         per_joint(damping, robot, "damping"),
-        (per_joint(proportional, robot, "servo"), per_joint(derivative, robot, "servo")),
+        gains,
     )
-    arm = SpringArm(*_links(robot, q, contact, h), *drives)
     between = pair_spring(arm.mobility, mass, restitution, contact_time)
     if spring is not None:
         between = spring
@@ -143,10 +144,11 @@ def elastic_impact(
     if qd is not None:
         motion = robot.one_configuration(qd, "qd")
         half = (contact_time if parted.time is None else parted.time) / 2
-        led = (drives[3][0] + drives[3][1]).any()
+        led = (gains[0] + gains[1]).any()
         at, gained = _in_the_middle(robot, q, motion, contact, h, half, coasting=not led)
-        arm = SpringArm(*_links(robot, at, contact, h), *drives)
-        parted = arm.collide(mass, speed + gained, between, contact_time)
+        response, pull = _links(robot, at, contact, h)
+        moved = replace(arm, response=response, pull=pull)
+        parted = moved.collide(mass, speed + gained, between, contact_time)
     object_speed = parted.impulse / mass
     robot_speed = object_speed + parted.closing + gained
     lost, share = speed - robot_speed, object_speed / ((1.0 + restitution) * speed)
