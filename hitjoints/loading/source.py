@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import stat
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from hitjoints.errors import InputError, UnknownNameError
@@ -30,6 +30,8 @@ class Description:
     """What the source was: urdf or text."""
     facts: Facts = field(default_factory=dict)
     """The TOML's entries; empty without one."""
+    package_dirs: tuple[str, ...] = ()
+    """Folders that hold packages, for the meshes."""
 
 
 def describe(
@@ -48,7 +50,10 @@ def describe(
         InputError: there is no such robot or file.
         ModelError: a file cannot be read as what it should be.
     """
-    text = str(source)
+    return replace(_found(str(source)), package_dirs=tuple(map(str, package_dirs)))
+
+
+def _found(text: str) -> Description:
     if text.lstrip("\ufeff \t\r\n").startswith("<"):
         return Description("robot", "text", text, None, "text")
     if text in robot_names():
@@ -74,7 +79,9 @@ def _from_toml(path: Path) -> Description:
 
 
 def _read(path: Path, name: str, source: str, facts: Facts) -> Description:
-    return Description(name, source, read_text(path), path.resolve().parent, "urdf", facts)
+    return Description(
+        name, source, read_text(path), Path(os.path.abspath(path)).parent, "urdf", facts
+    )
 
 
 def read_text(path: Path) -> str:
