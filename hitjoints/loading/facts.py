@@ -30,6 +30,8 @@ KEYS: dict[str, type | tuple[type, ...]] = {
 KINDS = {str: "text", dict: "a table", list: "a list", (list, dict): "a list or a table"}
 # Facts of the drives that no description holds; each stays unknown without an entry.
 DRIVE_FACTS = ("acceleration", "jerk", "rotor_inertia", "joint_stiffness")
+# Limits that go before those of the description.
+LIMITS = ("position", "velocity", "effort")
 
 Facts = Mapping[str, Any]
 

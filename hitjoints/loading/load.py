@@ -11,7 +11,14 @@ import numpy as np
 
 from hitjoints.errors import InputError, ModelError, shown
 from hitjoints.loading.check import check_arm
-from hitjoints.loading.facts import DRIVE_FACTS, drive_fact, per_joint, provenance, read_lock
+from hitjoints.loading.facts import (
+    DRIVE_FACTS,
+    LIMITS,
+    drive_fact,
+    per_joint,
+    provenance,
+    read_lock,
+)
 from hitjoints.loading.source import Description, describe
 from hitjoints.model.arm import Arm, choose_arm
 from hitjoints.model.compare import compare_model
@@ -64,7 +71,7 @@ def load_robot(
     arm = read_arm(description, tip, base, lock)
     robot = build_robot(description, arm)
     for issue in check_arm(arm, robot):
-        if issue.severity == "error":
+        if issue.at_load:
             warnings.warn(f"{robot.name}: {issue}", ModelWarning, stacklevel=2)
     return robot
 
@@ -87,6 +94,7 @@ def read_arm(
         facts.get("tip") if tip is None else tip,
         facts.get("base") if base is None else base,
         told | read_lock(lock),
+        {key: facts[key] for key in LIMITS if key in facts},
     )
 
 

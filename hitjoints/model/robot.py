@@ -123,6 +123,11 @@ class Robot:
         """Number of joints."""
         return int(self.model.nv)
 
+    @cached_property
+    def has_mass(self) -> bool:
+        """Whether any moving link weighs anything; without, only kinematics are known."""
+        return any(body.mass > 0 for body in list(self.model.inertias)[1:])
+
     @property
     def joint_names(self) -> list[str]:
         """Names of the joints, base to tip."""
