@@ -177,8 +177,9 @@ def _print(title: str, planned: Plan) -> None:
 
 
 def _print_room(best: Candidate) -> None:
-    if best.clearance is None:
-        print("clearance: not known, the robot has no collision shapes")
+    assert best.clearance is not None, "every candidate of a plan has one"
+    if reason := best.clearance.get("not_known"):
+        print(f"clearance not known: {reason}")
         return
     near = [
         f"{best.clearance[name]:.3f} m from {name} ({' - '.join(pair)})"

@@ -66,14 +66,15 @@ def check(
 ) -> None:
     """Check the inertias and limits of a robot description, and say what a fault does."""
     from hitjoints.errors import ModelError
-    from hitjoints.loading.check import Issue, check_arm
+    from hitjoints.loading.check import Issue, check_arm, check_shapes
     from hitjoints.loading.load import build_robot, read_arm
     from hitjoints.loading.source import describe
 
     try:
         description = describe(robot)
         arm = read_arm(description)
-        issues = check_arm(arm, build_robot(description, arm))
+        built = build_robot(description, arm)
+        issues = check_arm(arm, built) + check_shapes(built)
     except ModelError as error:
         _print_issues(robot, [Issue("error", "", error.reason, "it cannot be loaded")], as_json)
         raise

@@ -10,15 +10,22 @@ from typing import Any
 import numpy as np
 
 from hitjoints.errors import InputError, ModelError, shown
-from hitjoints.loading.catalogue import ERD
 from hitjoints.loading.check import check_arm
-from hitjoints.loading.facts import DRIVE_FACTS, drive_fact, per_joint, provenance, read_lock
+from hitjoints.loading.facts import (
+    DRIVE_FACTS,
+    LIMITS,
+    drive_fact,
+    per_joint,
+    provenance,
+    read_lock,
+)
 from hitjoints.loading.source import Description, describe
 from hitjoints.model.arm import Arm, choose_arm
 from hitjoints.model.compare import compare_model
 from hitjoints.model.robot import Contact, Robot
 from hitjoints.model.tips import end_rank
 from hitjoints.model.urdf import read_urdf
+from hitjoints.model.urdf_text import urdf_text
 
 Lock = str | Iterable[str] | Mapping[str, float] | None
 
@@ -64,7 +71,7 @@ def load_robot(
     arm = read_arm(description, tip, base, lock)
     robot = build_robot(description, arm)
     for issue in check_arm(arm, robot):
-        if issue.severity == "error":
+        if issue.at_load:
             warnings.warn(f"{robot.name}: {issue}", ModelWarning, stacklevel=2)
     return robot
 
@@ -87,6 +94,7 @@ def read_arm(
         facts.get("tip") if tip is None else tip,
         facts.get("base") if base is None else base,
         told | read_lock(lock),
+        {key: facts[key] for key in LIMITS if key in facts},
     )
 
 
@@ -119,7 +127,8 @@ def build_robot(description: Description, arm: Arm) -> Robot:
         title=facts.get("title", name),
         source=" ".join(facts.get("source", "").split()),
         licence=facts.get("licence", ""),
-        package_directory=_package_directory(description.folder),
+        folder="" if description.folder is None else str(description.folder),
+        package_dirs=description.package_dirs,
         **{key: drive_fact(facts, key, n, name) for key in DRIVE_FACTS},
         provenance=provenance(facts, name),
     )
@@ -134,7 +143,7 @@ def _model(arm: Arm, name: str) -> Any:
     import pinocchio as pin
 
     try:
-        model = pin.buildModelFromXML(arm.xml)
+        model = pin.buildModelFromXML(urdf_text(arm.tree, shapes=False))
     except (ValueError, RuntimeError) as error:
         raise ModelError(name, f"Pinocchio cannot read it ({str(error).splitlines()[0]})") from None
     if tuple(model.names)[1:] != arm.joints or model.nq != model.nv:
@@ -159,13 +168,3 @@ def _flange(model: Any, frame: str | None, tip: str, name: str) -> Contact:
     usual = [(rank, end) for end in ends if (rank := end_rank(end)) is not None]
     chosen = frame if frame is not None else min(usual)[1] if usual else tip
     return Contact(last, tuple(ends[chosen]))
-
-
-def _package_directory(folder: Path | None) -> str:
-    """Return the folder that package:// addresses inside a URDF start from."""
-    if folder is None:
-        return ""
-    for parent in (folder, *folder.parents):
-        if parent.name == ERD:
-            return str(parent.parent)
-    return str(folder)

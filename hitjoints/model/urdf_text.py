@@ -18,18 +18,26 @@ UNBOUNDED = 1e9
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
-def urdf_text(tree: Tree) -> str:
-    """Write a URDF: every number as it was read, every limit there, continuous joints revolute."""
+def urdf_text(tree: Tree, *, shapes: bool = True) -> str:
+    """Write a URDF: every number as it was read, every limit there, continuous joints revolute.
+
+    Args:
+        tree: the description.
+        shapes: with what it looks like; dynamics need none, and urdfdom complains of it aloud.
+    """
     root = ElementTree.Element("robot", name=tree.name)
-    root.extend(tree.materials)
+    if shapes:
+        root.extend(tree.materials)
     for body in tree.bodies.values():
-        _write_body(root, body)
+        link = _write_body(root, body)
+        if shapes:
+            link.extend(body.shapes)
     for joint in tree.joints.values():
         _write_joint(root, joint)
     return ElementTree.tostring(root, encoding="unicode")
 
 
-def _write_body(root: Element, body: Body) -> None:
+def _write_body(root: Element, body: Body) -> Element:
     link = SubElement(root, "link", name=body.name)
     if body.has_inertial:
         inertial = SubElement(link, "inertial")
@@ -37,7 +45,7 @@ def _write_body(root: Element, body: Body) -> None:
         SubElement(inertial, "mass", value=repr(body.mass))
         values = map(repr, body.moments.tolist())
         SubElement(inertial, "inertia", dict(zip(MOMENTS, values, strict=True)))
-    link.extend(body.shapes)
+    return link
 
 
 def _write_joint(root: Element, joint: Connection) -> None:
