@@ -158,11 +158,11 @@ def _commands() -> list[tuple[tuple[str, ...], Any]]:
     found: list[tuple[tuple[str, ...], Any]] = []
 
     def walk(command: Any, name: tuple[str, ...]) -> None:
-        children = getattr(command, "commands", None)
-        if children is None:
+        children: dict[str, Any] = getattr(command, "commands", {})
+        if not children:
             found.append((name, command))
-        for key in sorted(children or ()):
-            walk(children[key], (*name, key))
+        for key, child in sorted(children.items()):
+            walk(child, (*name, key))
 
     walk(typer.main.get_command(app), ())
     return found
