@@ -92,7 +92,7 @@ def test_promises_over_many_plans(arm):
         assert (robot.lower <= q).all()
         assert (q <= robot.upper).all()
         assert np.linalg.norm(hj.position(robot, q, joint) - target) < 1e-6
-        after = hj.Contact(joint + 1) if joint < robot.n else robot.flange
+        after = robot.beyond(hj.Contact(joint))
         assert h @ (hj.position(robot, q, after) - hj.position(robot, q, joint)) < 0
     assert feasible > 25
 
