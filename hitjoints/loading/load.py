@@ -24,6 +24,7 @@ from hitjoints.model.arm import Arm, choose_arm
 from hitjoints.model.compare import compare_model
 from hitjoints.model.robot import Contact, Robot
 from hitjoints.model.tips import end_rank
+from hitjoints.model.turns import middle
 from hitjoints.model.urdf import read_urdf
 from hitjoints.model.urdf_text import urdf_text
 
@@ -110,10 +111,9 @@ def build_robot(description: Description, arm: Arm) -> Robot:
     model.armature = per_joint(facts, "armature", np.zeros(n), name)
     if (model.armature < 0).any():
         raise ModelError(name, f"armature = {shown(facts['armature'])} must not be negative")
-    lower, upper = model.lowerPositionLimit, model.upperPositionLimit
-    middle, bounded = np.zeros(n), np.isfinite(lower)
-    middle[bounded] = (lower[bounded] + upper[bounded]) / 2
-    home = per_joint(facts, "home", middle, name)
+    turning = np.array([arm.tree.joints[joint].kind != "prismatic" for joint in arm.joints])
+    usual = middle(model.lowerPositionLimit, model.upperPositionLimit, turning)
+    home = per_joint(facts, "home", usual, name)
     joints = tuple(facts.get("hitting_joints", range(max(1, n - 2), n + 1)))
     if not joints or not all(type(k) is int and 1 <= k <= n for k in joints):
         raise ModelError(name, f"hitting_joints = {shown(joints)} must be joints from 1 to {n}")
