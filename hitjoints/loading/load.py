@@ -24,6 +24,7 @@ from hitjoints.model.arm import Arm, choose_arm
 from hitjoints.model.compare import compare_model
 from hitjoints.model.robot import Contact, Robot
 from hitjoints.model.tips import end_rank
+from hitjoints.model.turns import middle
 from hitjoints.model.urdf_text import urdf_text
 
 Lock = str | Iterable[str] | Mapping[str, float] | None
@@ -111,10 +112,9 @@ def build_robot(description: Description, arm: Arm) -> Robot:
     model.armature = per_joint(facts, "armature", told, name)
     if (model.armature < 0).any():
         raise ModelError(name, f"armature = {shown(facts['armature'])} must not be negative")
-    lower, upper = model.lowerPositionLimit, model.upperPositionLimit
-    middle, bounded = np.zeros(n), np.isfinite(lower)
-    middle[bounded] = (lower[bounded] + upper[bounded]) / 2
-    rest = [m if j.home is None else j.home for j, m in zip(chain, middle, strict=True)]
+    turning = np.array([joint.kind != "prismatic" for joint in chain])
+    usual = middle(model.lowerPositionLimit, model.upperPositionLimit, turning)
+    rest = [m if joint.home is None else joint.home for joint, m in zip(chain, usual, strict=True)]
     home = per_joint(facts, "home", np.array(rest), name)
     joints = tuple(facts.get("hitting_joints", range(max(1, n - 2), n + 1)))
     if not joints or not all(type(k) is int and 1 <= k <= n for k in joints):
