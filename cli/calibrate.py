@@ -13,7 +13,7 @@ from .output_options import tell_written
 from .render import print_json, print_table
 
 if TYPE_CHECKING:
-    from hitjoints.evidence.calibration.calibrate import Calibration
+    from hitjoints.evidence.calibration.past_hits import Calibration
 
 
 def calibrate(
@@ -38,7 +38,7 @@ def calibrate(
     yaw_qz. Every landing is foreseen from all the others, which is what the figures are worth.
     """
     from hitjoints.datasets.files import write_whole
-    from hitjoints.evidence.calibration.calibrate import calibrate as find
+    from hitjoints.evidence.calibration.past_hits import calibrate as find
 
     check_outputs(plot, (out, "out", (".toml",)), inputs=files)
     result = find(files, restitution=restitution)

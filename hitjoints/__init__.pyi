@@ -31,7 +31,7 @@ from .errors import (
 from .errors import (
     SolverError as SolverError,
 )
-from .evidence.calibration.calibrate import calibrate as calibrate
+from .evidence.calibration.past_hits import calibrate as calibrate
 from .evidence.paper.reproduction import reproduce as reproduce
 from .evidence.physics.simulation import simulate as simulate
 from .evidence.recordings.replayer import replay as replay

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from hitjoints.evidence.calibration.calibrate import Calibration
+    from hitjoints.evidence.calibration.past_hits import Calibration
 
 
 def draw_calibration(result: Calibration) -> Figure:
