@@ -34,6 +34,8 @@ from .errors import (
 from .evidence.paper.reproduction import reproduce as reproduce
 from .evidence.physics.simulation import simulate as simulate
 from .evidence.recordings.replayer import replay as replay
+from .goals.landing import Landing as Landing
+from .goals.landing import landing as landing
 from .hit import Hit as Hit
 from .hitting.controller import Controller as Controller
 from .impact.collision import (
