@@ -30,7 +30,7 @@ def straight_velocities(pull: Array, across: Array, lower: Array, upper: Array) 
     Args:
         pull: (N, n) m/rad, g = J^T h.
         across: (N, 2, n) m/rad, the lateral rows a = B^T J.
-        lower, upper: (n,) rad/s.
+        lower, upper: (n,) rad/s, or (N, n).
     """
     rows, n = pull.shape
     pairs = np.array(list(combinations(range(n), 2)), dtype=int).reshape(-1, 2)
@@ -44,7 +44,8 @@ def straight_velocities(pull: Array, across: Array, lower: Array, upper: Array) 
         ((g2 * first[:, 1] - g1 * second[:, 1]), (g1 * second[:, 0] - g2 * first[:, 0])), axis=-1
     ) * scale[:, :, None]  # fmt: skip
     reduced = pull[:, None, :] + mu @ across
-    dual = np.maximum(reduced * upper, reduced * lower).sum(axis=2)
+    low, high = np.atleast_2d(lower)[:, None, :], np.atleast_2d(upper)[:, None, :]
+    dual = np.maximum(reduced * high, reduced * low).sum(axis=2)
     chosen = pull
     if len(pairs):  # a single joint balances nothing
         best = np.argmin(np.where(usable, dual, np.inf), axis=1)
