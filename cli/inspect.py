@@ -2,54 +2,36 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from .complaints import complain
-from .options import (
-    DIRECTION,
-    MASS,
-    ORIGIN,
-    ROBOT,
-    ConfigurationOption,
-    DirectionOption,
-    JointOption,
-    JsonOption,
-    MassOption,
-    OffsetOption,
-    RobotOption,
-    check_mass,
-    numbers,
-    triple,
-)
+from .hit_options import HitOptions
+from .option_groups import without
+from .options import ConfigurationOption, JsonOption, numbers
 from .render import print_json, print_table
+from .robot_options import RobotOptions
 
 if TYPE_CHECKING:
     from hitjoints.model.robot import Contact, Robot
 
 
 def inspect(
-    robot: RobotOption = ROBOT,
-    joint: JointOption = None,
-    offset: OffsetOption = ORIGIN,
+    robot: RobotOptions,
+    hit: Annotated[HitOptions, without("position", "flux")],
     q: ConfigurationOption = None,
-    direction: DirectionOption = DIRECTION,
-    mass: MassOption = MASS,
     as_json: JsonOption = False,
 ) -> None:
     """Show position, inertia, gradient, speed and flux at one configuration."""
     from hitjoints.errors import InfeasibleError
-    from hitjoints.loading.load import load_robot
-    from hitjoints.model.robot import Contact
 
-    check_mass(mass)
-    arm = load_robot(robot)
-    chosen = arm.usual_joint if joint is None else joint
-    contact = arm.contact(Contact(chosen, triple(offset, "offset")))
+    asked = hit.read()
+    arm = robot.load()
+    contact = asked.contact(arm)
     configuration = arm.within_limits(arm.home if q is None else numbers(q))
     try:
-        result = _quantities(arm, configuration, contact, numbers(direction), mass)
+        result = _quantities(arm, configuration, contact, asked.direction, asked.mass)
         reason = None
     except InfeasibleError as error:
         result, reason = error.data, error.reason
@@ -63,7 +45,7 @@ def inspect(
 
 
 def _quantities(
-    robot: Robot, q: Any, contact: Contact, direction: list[float], mass: float
+    robot: Robot, q: Any, contact: Contact, direction: tuple[float, ...], mass: float
 ) -> dict[str, Any]:
     """Compute what is shown.
 

@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-
-ROBOT = "iiwa14"
-OBJECT = "0.5,0.3,0.5"
-DIRECTION = "0,1,0"
-MASS = 2.0
-ORIGIN = "0,0,0"
 
 
 def numbers(text: str) -> list[float]:
@@ -34,18 +28,6 @@ def spaced(text: str) -> Any:
         raise typer.BadParameter(f"{text!r} is not a range like -0.5:0.5:20") from None
 
 
-def check_mass(mass: float) -> None:
-    """Refuse a mass that no object has.
-
-    Raises:
-        InputError: not above zero, or not finite.
-    """
-    from hitjoints.errors import InputError
-
-    if not (mass > 0 and math.isfinite(mass)):
-        raise InputError("mass", mass, "an object weighs more than 0 kg")
-
-
 def triple(text: str, argument: str) -> tuple[float, float, float]:
     """Read "x,y,z" and refuse any other count.
 
@@ -60,46 +42,34 @@ def triple(text: str, argument: str) -> tuple[float, float, float]:
     return values[0], values[1], values[2]
 
 
-def check_outputs(plot: Path | None, *outputs: tuple[Path | None, str, tuple[str, ...]]) -> None:
+def check_outputs(
+    plot: Path | None,
+    *outputs: tuple[Path | None, str, tuple[str, ...]],
+    inputs: Iterable[str | Path | None] = (),
+) -> None:
     """Refuse output paths before any work is done for them.
 
     Args:
         plot: of the figure, if one is asked for.
         outputs: other paths, each with its option's name and the endings it may have.
+        inputs: what is read: no output may overwrite it.
 
     Raises:
-        InputError: an ending is not one of those, or a path cannot be written to.
+        InputError: an ending is not one of those, a path cannot be written to, or two are one.
     """
-    from hitjoints.datasets.files import check_writable
+    from hitjoints.datasets.files import check_apart, check_writable
     from hitjoints.show.figures import FIGURE_ENDINGS
 
+    asked = []
     for path, argument, endings in (*outputs, (plot, "plot", FIGURE_ENDINGS)):
         if path is not None:
             check_writable(path, argument, endings)
+            asked.append((path, argument))
+    check_apart(asked, (name for name in inputs if name is not None))
 
 
-RobotOption = Annotated[
-    str, typer.Option("--robot", metavar="NAME|FILE", help="Built-in name, or a URDF or TOML file.")
-]
-DirectionOption = Annotated[
-    str, typer.Option("--direction", metavar="X,Y,Z", help="Hitting direction, robot base frame.")
-]
-MassOption = Annotated[float, typer.Option("--mass", metavar="KG", help="Mass of the object.")]
-ObjectOption = Annotated[
-    str, typer.Option("--object", metavar="X,Y,Z", help="Position of the object (m).")
-]
-OffsetOption = Annotated[
-    str, typer.Option("--offset", metavar="X,Y,Z", help="Contact point in the joint's frame (m).")
-]
-JointOption = Annotated[
-    int | None, typer.Option("--joint", help="Hitting joint, from 1. (default: last but one)")
-]
 ConfigurationOption = Annotated[
     str | None, typer.Option("--q", metavar="Q1,Q2,...", help="Joint positions. (default: home)")
-]
-JointsOption = Annotated[
-    list[int] | None,
-    typer.Option("--joint", help="Hitting joint; repeat for several. [default: the robot's]"),
 ]
 TorquesOption = Annotated[
     bool,

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .complaints import complain
-from .options import JsonOption, OutOption, PlotOption, check_mass, check_outputs, numbers, triple
+from .hit_options import check_mass
+from .options import JsonOption, OutOption, PlotOption, check_outputs, numbers, triple
 from .render import print_json, print_table
 
 if TYPE_CHECKING:
@@ -70,11 +71,12 @@ def replay(
     is reported with its reason, and the rest goes on.
     """
     from hitjoints.datasets.files import DATASET_ENDINGS, write_dataset
+    from hitjoints.evidence.recordings.hit_files import read_by
     from hitjoints.evidence.recordings.replayer import replay as compare
 
     if mass is not None:
         check_mass(mass)
-    check_outputs(plot, (out, "out", DATASET_ENDINGS))
+    check_outputs(plot, (out, "out", DATASET_ENDINGS), inputs=[*read_by(files or ()), robot])
     with _progress() as progress:
         result = compare(
             files or None,

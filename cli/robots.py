@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .complaints import complain
-from .options import ROBOT, JsonOption
+from .options import JsonOption
 from .render import print_json, print_table
+from .robot_options import ROBOT
 
 if TYPE_CHECKING:
     from hitjoints.loading.check import Issue
@@ -26,7 +27,8 @@ def root(context: typer.Context) -> None:
 @app.command("list")
 def list_robots(as_json: JsonOption = False) -> None:
     """List the built-in robots."""
-    from hitjoints.loading.load import load_robot, robot_names
+    from hitjoints.loading.catalogue import robot_names
+    from hitjoints.loading.load import load_robot
 
     rows = []
     for name in robot_names():
@@ -64,12 +66,15 @@ def check(
 ) -> None:
     """Check the inertias and limits of a robot description, and say what a fault does."""
     from hitjoints.errors import ModelError
-    from hitjoints.loading.check import Issue, check_arm
-    from hitjoints.loading.load import build_robot, describe
+    from hitjoints.loading.check import Issue, check_arm, check_shapes
+    from hitjoints.loading.load import build_robot, read_arm
+    from hitjoints.loading.source import describe
 
     try:
         description = describe(robot)
-        issues = check_arm(description.arm, build_robot(description))
+        arm = read_arm(description)
+        built = build_robot(description, arm)
+        issues = check_arm(arm, built) + check_shapes(built)
     except ModelError as error:
         _print_issues(robot, [Issue("error", "", error.reason, "it cannot be loaded")], as_json)
         raise

@@ -51,14 +51,12 @@ from .impact.collision import (
 from .impact.elastic import elastic_impact as elastic_impact
 from .impact.inertia_models import impact_inertia as impact_inertia
 from .impact.inertia_models import impact_inertia_gradient as impact_inertia_gradient
+from .loading.catalogue import robot_names as robot_names
 from .loading.load import (
     ModelWarning as ModelWarning,
 )
 from .loading.load import (
     load_robot as load_robot,
-)
-from .loading.load import (
-    robot_names as robot_names,
 )
 from .maps.joint_sweep import sweep_joint as sweep_joint
 from .maps.workspace import open_map as open_map

@@ -1,117 +1,178 @@
-"""Write a data set or a figure: whole or not at all, and never more than a part in memory."""
+"""Write a data set or another file: whole or not at all, and over nothing that is not ours."""
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
+import stat
 import tempfile
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hitjoints.datasets.lock import locked
+from hitjoints.datasets.netcdf import write_netcdf
+from hitjoints.datasets.ownership import why_not_ours
+from hitjoints.datasets.tables import write_csv
 from hitjoints.errors import InputError
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
 DATASET_ENDINGS = (".zarr", ".nc", ".csv")
-PART = 2_000_000  # values of a data set held in memory while it is copied
+MAP_ENDINGS = (".zarr",)
+TRIES = 20
+"""At removing a scratch folder."""
 
 
 def check_writable(path: Path, argument: str, endings: tuple[str, ...]) -> None:
     """Refuse an output path before any work is done for it.
 
+    Args:
+        path: of the output.
+        argument: that it was given as.
+        endings: that it may have.
+
     Raises:
-        InputError: its ending is not one of `endings`, or its folder cannot be written to.
+        InputError: another ending, a folder that cannot be written to, or a folder in its place
+            that hitjoints did not write.
     """
     if path.suffix not in endings:
         raise InputError(argument, path, f"the name must end in {', '.join(endings)}")
-    folder = path.parent
-    if not folder.is_dir():
+    try:
+        target = resolved(path)
+    except OSError as error:
+        raise InputError(argument, path, f"it cannot be written ({_reason(error)})") from None
+    there = target.exists()
+    if not target.parent.is_dir():
+        folder = target.parent if path.is_symlink() else path.parent
         raise InputError(argument, path, f"there is no folder {folder}")
-    if not os.access(folder, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
+    if not os.access(target.parent, os.W_OK) or (there and not os.access(target, os.W_OK)):
         raise InputError(argument, path, "it cannot be written (permission denied)")
-    if path.is_dir() != (path.suffix == ".zarr") and path.exists():
-        raise InputError(argument, path, "it is a folder" if path.is_dir() else "it is a file")
+    if there and not (target.is_dir() or target.is_file()):
+        raise InputError(argument, path, "it is a device or a pipe; a file is needed")
+    if there and target.is_dir() != (path.suffix == ".zarr"):
+        raise InputError(argument, path, "it is a folder" if target.is_dir() else "it is a file")
+    if target.is_dir() and endings != MAP_ENDINGS:  # a map is continued, not replaced
+        _check_replaceable(target, argument, path)
+
+
+def check_apart(outputs: Iterable[tuple[Path, str]], inputs: Iterable[str | Path]) -> None:
+    """Refuse an output that is an input, or another output.
+
+    Args:
+        outputs: each with the argument that it was given as.
+        inputs: what is read; names that are no files do no harm.
+
+    Raises:
+        InputError: writing the one would overwrite the other.
+    """
+    taken = {resolved(Path(name)): "it is read, too: choose another name" for name in inputs}
+    for path, argument in outputs:
+        target = resolved(path)
+        if target in taken:
+            raise InputError(argument, path, taken[target])
+        taken[target] = "it is written twice: choose another name"
 
 
 def write_whole(path: Path, argument: str, write: Callable[[Path], object]) -> None:
     """Let `write` fill a scratch path beside `path`, then put the result in its place.
 
+    Args:
+        path: of a file, or of a Zarr folder.
+        argument: that it was given as.
+        write: called with the scratch path.
+
     Raises:
-        InputError: the file system refuses; nothing is left behind.
+        InputError: the file system refuses, or a folder that hitjoints did not write is in the
+            place; nothing is left behind.
     """
     try:
-        with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as scratch:
-            made = Path(scratch) / path.name
+        target = resolved(path)
+        with scratch_beside(target) as made:
             write(made)
-            if path.is_dir():
-                shutil.rmtree(path)
-            os.replace(made, path)
+            if made.is_dir():
+                _replace_folder(made, target, argument, path)
+            else:
+                made.replace(target)
     except OSError as error:
-        raise InputError(argument, path, f"it cannot be written ({error.strerror})") from None
+        raise InputError(argument, path, f"it cannot be written ({_reason(error)})") from None
+
+
+def resolved(path: Path) -> Path:
+    """Return where a path leads: links are followed, not replaced.
+
+    Raises:
+        OSError: nowhere.
+    """
+    try:
+        target = Path(os.path.realpath(path))
+        if stat.S_ISLNK(os.lstat(target).st_mode):
+            raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+    except (FileNotFoundError, NotADirectoryError):
+        pass
+    except ValueError as error:  # a zero byte
+        raise OSError(errno.EINVAL, str(error)) from None
+    return target
+
+
+@contextmanager
+def scratch_beside(path: Path) -> Iterator[Path]:
+    """Yield a path on the same disk, whose folder is gone afterwards with what is left in it."""
+    scratch = Path(tempfile.mkdtemp(dir=path.parent, prefix=".hitjoints."))
+    try:
+        yield scratch / f"made{path.suffix}"
+    finally:
+        # Threads of zarr's may still be writing when one of them was refused.
+        for _ in range(TRIES):
+            shutil.rmtree(scratch, ignore_errors=True)
+            if not scratch.exists():
+                break
+            time.sleep(0.05)
 
 
 def write_dataset(dataset: Dataset, path: Path, argument: str = "out") -> None:
     """Write a data set as Zarr, NetCDF or CSV, by the path's ending.
 
+    Args:
+        dataset: what to write.
+        path: of the output; a data set of hitjoints in its place is replaced.
+        argument: that it was given as.
+
     Raises:
         InputError: an unknown ending, or a path that cannot be written.
     """
     check_writable(path, argument, DATASET_ENDINGS)
-    write = {".zarr": _write_zarr, ".nc": _write_netcdf, ".csv": _write_csv}[path.suffix]
+    write = {".zarr": _write_zarr, ".nc": write_netcdf, ".csv": write_csv}[path.suffix]
     write_whole(path, argument, lambda made: write(dataset, made))
+
+
+def _reason(error: OSError) -> str:
+    return error.strerror or str(error)
 
 
 def _write_zarr(dataset: Dataset, path: Path) -> None:
     dataset.to_zarr(path, zarr_format=3, consolidated=False)
 
 
-def _write_netcdf(dataset: Dataset, path: Path) -> None:
-    import h5netcdf
-    import numpy as np
-
-    with h5netcdf.File(path, "w") as file:
-        file.dimensions = dict(dataset.sizes)
-        for key, said in dataset.attrs.items():
-            # NetCDF attributes are flat and have no booleans; a nested one is kept as text.
-            value = int(said) if isinstance(said, bool) else said
-            parts = value if isinstance(value, list) else [value]
-            flat = all(isinstance(part, (str, int, float)) for part in parts)
-            file.attrs[key] = value if flat else str(value)
-        for name, variable in dataset.variables.items():
-            kind = np.dtype("int8") if variable.dtype == bool else variable.dtype
-            copy = file.create_variable(str(name), variable.dims, kind)
-            copy.attrs.update(variable.attrs)
-        for name in dataset.coords:
-            file[str(name)][...] = dataset[name].values
-        for part, where in _parts(dataset):
-            for name, values in part.data_vars.items():
-                cut = tuple(where.get(str(d), slice(None)) for d in values.dims)
-                file[str(name)][cut] = values.values
+def _replace_folder(made: Path, target: Path, argument: str, path: Path) -> None:
+    """Put a folder in the place of a data set of ours, or of nothing."""
+    with locked(target.parent, wait=True):
+        old = made.with_name("old")
+        if target.exists():
+            target.rename(old)
+            try:
+                _check_replaceable(old, argument, path)
+            except InputError:
+                old.rename(target)
+                raise
+        made.rename(target)
 
 
-def _write_csv(dataset: Dataset, path: Path) -> None:
-    """Write one row per cell; a vector's entries become columns q_1, q_2, ..."""
-    spread = dataset
-    for name in ("q", "direction_vector"):
-        if name in dataset.variables:
-            last = dataset[name].dims[-1]
-            for i in range(dataset.sizes[last]):
-                column = dataset[name].isel({last: i}).drop_vars([last], errors="ignore")
-                spread = spread.assign({f"{name}_{i + 1}": column})
-            spread = spread.drop_vars(name)
-    spread = spread.drop_vars(["axis"], errors="ignore")
-    for i, (part, _) in enumerate(_parts(spread)):
-        table = part.to_dataframe().reset_index()
-        table.to_csv(path, index=False, mode="a" if i else "w", header=not i)
-
-
-def _parts(dataset: Dataset) -> Iterator[tuple[Dataset, dict[str, slice]]]:
-    """Yield layers of a data set along x (or its last axis) that fit in memory."""
-    axis = "x" if "x" in dataset.sizes else str(list(dataset.sizes)[-1])
-    per_layer = sum(v.size for v in dataset.data_vars.values()) / dataset.sizes[axis]
-    step = max(1, int(PART / per_layer))
-    for start in range(0, dataset.sizes[axis], step):
-        where = {axis: slice(start, min(start + step, dataset.sizes[axis]))}
-        yield dataset.isel(where), where
+def _check_replaceable(folder: Path, argument: str, path: Path) -> None:
+    reason = why_not_ours(folder)
+    if reason:
+        raise InputError(argument, path, reason)

@@ -14,7 +14,7 @@ from hitjoints.tolerances import MOBILITY_FLOOR
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.model.urdf import Arm, Link
+    from hitjoints.model.arm import Arm, Link
 
 SAMPLES = 100  # configurations a wrong inertia's effect is measured on
 THICKNESS = 0.1  # of a link, as a share of the arm's reach: joint origins tell only the length
@@ -81,8 +81,6 @@ def _inertia_problem(link: Link, reach: float) -> tuple[str, str]:  # noqa: PLR0
     small, middle, large = moments = np.linalg.eigvalsh(link.inertia)
     slack = ROUND_OFF * abs(moments).max(initial=0.0)
     shown = f"principal moments {small:.3g}, {middle:.3g}, {large:.3g} kg m^2"
-    if link.mass < 0:
-        return f"negative mass {link.mass:g} kg", "error"
     if link.mass == 0 and large > slack:
         return f"zero mass with {shown}", "error"
     if link.mass == 0:
@@ -182,3 +180,12 @@ def _check_limits(robot: Robot) -> list[Issue]:
             effect = "the joint cannot move"
             issues.append(Issue("warning", name, "equal lower and upper position limits", effect))
     return issues
+
+
+def check_shapes(robot: Robot) -> list[Issue]:
+    """Check that every collision shape can be read; this reads the meshes too."""
+    effect = "clearance is not known"
+    return [
+        Issue("warning", link, f"a collision shape cannot be read: {reason}", effect)
+        for link, reason in robot.shape_faults
+    ]

@@ -46,15 +46,19 @@ def run_blocks(
         workers = available_cpus() if threads is None else threads
         if workers < 1:
             raise InputError("threads", threads, "at least 1")
-        with ThreadPoolExecutor(workers) as pool:
+        pool = ThreadPoolExecutor(workers)
+        try:
             yield from _run(pool, workers, question, grid, indices)
+        finally:
+            # Who breaks off, as by Ctrl-C, does not wait for the blocks that are being computed.
+            pool.shutdown(wait=False, cancel_futures=True)
     else:
         with _cluster(scheduler) as client:
             # Sent once; a worker that takes the place of a dead one gets it again.
             shared = client.scatter(question, broadcast=True, hash=False)
             workers = max(1, sum(client.nthreads().values()))
-            pool = client.get_executor(pure=False, retries=RETRIES)
-            yield from _run(pool, workers, shared, grid, indices)
+            executor = client.get_executor(pure=False, retries=RETRIES)
+            yield from _run(executor, workers, shared, grid, indices)
 
 
 def _run(

@@ -2,154 +2,142 @@
 
 A block's variables are written first, then its flag in `done`. Whatever moment the process dies
 at, a block whose flag is not set is computed again, with the same result; so the finished store
-does not tell how often it was interrupted.
+does not tell how often it was interrupted. An empty map is laid out beside its place and moved
+there whole, and one run at a time writes to it.
 """
 
 from __future__ import annotations
 
+import errno
 import json
-import shutil
+import re
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from hitjoints.datasets.describe import UNITS, origin
+from hitjoints.datasets.files import resolved, scratch_beside
+from hitjoints.datasets.lock import locked
 from hitjoints.errors import InputError
-from hitjoints.maps.cells import PER_DIRECTION, Question
+from hitjoints.maps.cells import Question
 from hitjoints.maps.grid import Grid
+from hitjoints.maps.integrity import missing_blocks, open_arrays, read_attributes
+from hitjoints.maps.map_layout import BLOCKWISE, attributes_of, lay_out, part_of
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
-SPACE = ("x", "y", "z")
+HALF_WRITTEN = re.compile(r"[0-9c]+\.[0-9a-f]{32}\.partial")
+"""What zarr calls a chunk while it writes it; a kill can leave one."""
 
 
 class MapStore:
-    """The store of one map, opened for writing.
+    """A map that can be written to.
+
+    Args:
+        arrays: its variables.
+        grid: its positions.
+        path: of its folder.
+    """
+
+    def __init__(self, arrays: dict[str, Any], grid: Grid, path: Path | None) -> None:
+        self._arrays, self._grid, self._path = arrays, grid, path
+
+    def missing(self) -> list[tuple[int, int, int]]:
+        """Return the indices of the blocks to be computed: not done, or damaged since."""
+        return missing_blocks(self._arrays, self._grid)
+
+    def write(self, index: tuple[int, int, int], values: dict[str, NDArray[np.float64]]) -> None:
+        """Write a block's values, as `evaluate` returns them, then mark it as done.
+
+        Raises:
+            InputError: the file system refuses.
+        """
+        size = tuple(part.stop - part.start for part in self._grid.slices(index))
+        with _refusals(self._path):
+            for name, array in values.items():
+                lead = 1 if name == "reachable" else 2
+                shape = (*array.shape[:lead], *size, *array.shape[lead + 1 :])
+                self._arrays[name][part_of(name, self._grid, index)] = array.reshape(shape)
+            self._arrays["done"][index] = 1
+
+
+def map_in_memory(question: Question, grid: Grid, command: str) -> tuple[MapStore, Any]:
+    """Lay a map out in memory; return it, and the store of zarr's that it is in."""
+    import zarr
+
+    store = zarr.storage.MemoryStore()
+    lay_out(store, grid, question.robot.n, attributes_of(question, grid, command))
+    group = zarr.open_group(store, mode="r+")
+    return MapStore({name: group[name] for name in (*BLOCKWISE, "done")}, grid, None), store
+
+
+@contextmanager
+def map_on_disk(path: Path, question: Question, grid: Grid, command: str) -> Iterator[MapStore]:
+    """Open the store of a map for writing; no other run can meanwhile.
 
     Args:
         path: of the Zarr group; made when it is not there, continued when it holds the same map.
-        question, grid: what the map holds.
+        question: what is asked at every position.
+        grid: the positions.
+        command: what to write into the store as its origin.
 
     Raises:
-        InputError: the path holds something else, or a map of other parameters.
+        InputError: the path holds something else, a map of other parameters, a damaged one, or
+            one that another run is writing; or it cannot be written.
     """
-
-    def __init__(self, path: Path, question: Question, grid: Grid, command: str) -> None:
-        import zarr
-
-        self.path, self.grid = path, grid
-        attributes = _attributes(question, grid, command)
-        marker = path / "zarr.json"
-        if marker.exists() and (path / "done" / "zarr.json").exists():
-            self._refuse_other(marker, attributes)
-            _sweep_away_scratch(path)
-        else:
-            if path.exists() and not _is_unfinished_start(path):
-                raise InputError("out", path, "it exists and is not a map of hitjoints")
-            shutil.rmtree(path, ignore_errors=True)
-            _create(path, question, grid, attributes)
-        self._group = zarr.open_group(path, mode="r+")
-        self._done: Any = self._group["done"]
-
-    def _refuse_other(self, marker: Path, attributes: dict[str, Any]) -> None:
-        found = json.loads(marker.read_text())["attributes"]
-        differing = [
-            key for key, value in attributes.items()
-            if key != "command" and found.get(key) != json.loads(json.dumps(value))
-        ]  # fmt: skip
-        if differing:
-            raise InputError(
-                "out", self.path, f"it holds a map with another {', '.join(differing)}; "
-                "choose another name or remove it"
-            )  # fmt: skip
-
-    def missing(self) -> list[tuple[int, int, int]]:
-        """Return the indices of the blocks still to be computed."""
-        done = self._done[...]
-        return [index for index in self.grid.indices() if not done[index]]
-
-    def write(self, index: tuple[int, int, int], values: dict[str, NDArray[np.float64]]) -> None:
-        """Write a block's values, as `evaluate` returns them, then mark it as done."""
-        x, y, z = self.grid.slices(index)
-        size = (x.stop - x.start, y.stop - y.start, z.stop - z.start)
-        for name, array in values.items():
-            lead = array.shape[: 1 if name == "reachable" else 2]
-            tail = array.shape[len(lead) + 1 :]
-            target: Any = self._group[name]
-            target[(..., x, y, z, *(slice(None) for _ in tail))] = array.reshape(
-                *lead, *size, *tail
-            )
-        self._done[index] = 1
+    attributes = attributes_of(question, grid, command)
+    with _refusals(path):
+        target = resolved(path)
+        if not target.exists() or (target.is_dir() and not any(target.iterdir())):
+            _begin(target, grid, question.robot.n, attributes)
+    _refuse_other(path, attributes)
+    with ExitStack() as held:
+        try:
+            held.enter_context(locked(path))
+        except BlockingIOError:
+            raise InputError("out", path, "another run is writing it") from None
+        for scratch in path.glob("*/c/**/*.partial"):
+            if HALF_WRITTEN.fullmatch(scratch.name):
+                scratch.unlink()
+        yield MapStore(open_arrays(path, "out", attributes), grid, path)
 
 
-def _attributes(question: Question, grid: Grid, command: str) -> dict[str, Any]:
-    robot = question.robot
-    return origin(robot) | {
-        "mass": question.mass,
-        "samples": question.samples,
-        "seed": question.seed,
-        "offsets": [list(contact.offset) for contact in question.contacts],
-        "joints": [contact.joint for contact in question.contacts],
-        "directions": question.directions.tolist(),
-        "grid": [axis.tolist() for axis in grid.axes],
-        "block": list(grid.block),
-        "command": command,
-    }
+@contextmanager
+def _refusals(path: Path | None) -> Iterator[None]:
+    """Say what the file system refuses in a line.
 
-
-def _create(path: Path, question: Question, grid: Grid, attributes: dict[str, Any]) -> None:
-    """Lay out an empty map; `done` comes last, so that a store without it was never begun."""
-    import zarr
-
-    group = zarr.create_group(path, zarr_format=3, attributes=attributes)
-
-    def add(name: str, dims: tuple[str, ...], values: Any = None, **options: Any) -> None:
-        unit, long_name = UNITS[name]
-        described: dict[str, Any] = {"units": unit, "long_name": long_name}
-        if values is not None:
-            array = group.create_array(
-                name, data=np.asarray(values), dimension_names=dims, attributes=described
-            )
-            assert array is not None
-        else:
-            group.create_array(name, dimension_names=dims, attributes=described, **options)
-
-    joints, directions = len(question.contacts), len(question.directions)
-    n = question.robot.n
-    add("joint", ("joint",), [contact.joint for contact in question.contacts])
-    add("direction", ("direction",), np.arange(directions))
-    add("direction_vector", ("direction", "xyz"), question.directions)
-    for name, axis in zip(SPACE, grid.axes, strict=True):
-        add(name, (name,), axis)
-    add("axis", ("axis",), np.arange(1, n + 1))
-    floats: dict[str, Any] = {"dtype": "float64", "fill_value": float("nan")}
-    full = ("joint", "direction", *SPACE)
-    shape, chunks = (joints, directions, *grid.shape), (joints, directions, *grid.block)
-    for name in PER_DIRECTION:
-        add(name, full, shape=shape, chunks=chunks, **floats)
-    add("q", (*full, "axis"), shape=(*shape, n), chunks=(*chunks, n), **floats)
-    lead = (joints, *grid.shape)
-    add("reachable", ("joint", *SPACE), shape=lead, chunks=(joints, *grid.block), **floats)
-    blocks: dict[str, Any] = {"shape": grid.blocks, "chunks": (1, 1, 1)}
-    add("done", ("block_x", "block_y", "block_z"), dtype="uint8", fill_value=0, **blocks)
-
-
-def _is_unfinished_start(path: Path) -> bool:
-    """Tell whether a folder is a map of ours that died before it was laid out, or empty."""
-    if not path.is_dir():
-        return False
-    marker = path / "zarr.json"
-    if not marker.exists():
-        return not any(path.iterdir())
+    Raises:
+        InputError: it refused.
+    """
     try:
-        return str(json.loads(marker.read_text())["attributes"]["source"]).startswith("hitjoints")
-    except (ValueError, KeyError, TypeError):
-        return False
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError("out", path, f"it cannot be written ({reason})") from None
 
 
-def _sweep_away_scratch(path: Path) -> None:
-    """Remove the half-written files that a kill can leave beside zarr's chunks."""
-    for scratch in path.rglob("*.partial"):
-        scratch.unlink()
+def _begin(path: Path, grid: Grid, n: int, attributes: dict[str, Any]) -> None:
+    """Put an empty map in its place, unless another run is faster."""
+    with scratch_beside(path) as made:
+        lay_out(made, grid, n, attributes)
+        try:
+            made.rename(path)
+        except OSError as error:
+            if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
+                raise
+
+
+def _refuse_other(path: Path, attributes: dict[str, Any]) -> None:
+    found = read_attributes(path, "out")
+    differing = [
+        key for key, value in json.loads(json.dumps(attributes)).items()
+        if key != "command" and found.get(key) != value
+    ]  # fmt: skip
+    if differing:
+        raise InputError(
+            "out",
+            path,
+            f"it holds a map with another {', '.join(differing)}; choose another name or remove it",
+        )

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from hitjoints.errors import InputError
 from hitjoints.maps.cells import Question
-from hitjoints.maps.grid import make_grid
+from hitjoints.maps.grid import Grid, make_grid
+from hitjoints.maps.integrity import grid_of, missing_blocks, open_arrays, read_attributes
 from hitjoints.maps.schedule import run_blocks
-from hitjoints.maps.store import MapStore
+from hitjoints.maps.store import MapStore, map_in_memory, map_on_disk
 from hitjoints.vectors import unit
 
 if TYPE_CHECKING:
@@ -85,31 +85,63 @@ def sweep_workspace(
     question = Question(robot, contacts, h, float(mass), samples, seed)
     grid = make_grid(x, y, z, POSITIONS_PER_BLOCK)
 
-    def fill(path: Path) -> Path:
-        store = MapStore(path, question, grid, command)
-        missing = store.missing()
-        total = int(np.prod(grid.shape))
-        done = total - sum(len(grid.positions(index)[0]) for index in missing)
-        for index, values in run_blocks(
-            question, grid, missing, scheduler=scheduler, threads=threads
-        ):
-            store.write(index, values)
-            done += len(grid.positions(index)[0])
-            if progress is not None:
-                progress(done, total)
-        return path
-
-    if out is not None:
-        return open_map(fill(Path(out)))
-    with tempfile.TemporaryDirectory() as scratch:
-        return open_map(fill(Path(scratch) / "map.zarr")).load()
+    if out is None:
+        store, source = map_in_memory(question, grid, command)
+        _fill(store, question, grid, scheduler, threads, progress)
+        return _opened(source).load()
+    path = Path(out)
+    with map_on_disk(path, question, grid, command) as store:
+        _fill(store, question, grid, scheduler, threads, progress)
+    return _opened(path)
 
 
 def open_map(path: str | Path) -> Dataset:
-    """Open a map written by `sweep_workspace`; values are read when they are used."""
+    """Open a map written by `sweep_workspace`; values are read when they are used.
+
+    Args:
+        path: of the Zarr store.
+
+    Returns:
+        As `sweep_workspace` does.
+
+    Raises:
+        InputError: it is not a map of hitjoints, or a part of it is missing or damaged.
+    """
+    path = Path(path)
+    attributes = read_attributes(path, "path")
+    missing = missing_blocks(open_arrays(path, "path", attributes), grid_of(attributes))
+    if missing:
+        raise InputError(
+            "path",
+            path,
+            f"{len(missing)} blocks of this map are missing or damaged; the command that wrote it "
+            f"computes them ({attributes['command'] or 'sweep_workspace'})",
+        )
+    return _opened(path)
+
+
+def _fill(
+    store: MapStore,
+    question: Question,
+    grid: Grid,
+    scheduler: str | None,
+    threads: int | None,
+    progress: Progress | None,
+) -> None:
+    missing = store.missing()
+    total = int(np.prod(grid.shape))
+    done = total - sum(len(grid.positions(index)[0]) for index in missing)
+    for index, values in run_blocks(question, grid, missing, scheduler=scheduler, threads=threads):
+        store.write(index, values)
+        done += len(grid.positions(index)[0])
+        if progress is not None:
+            progress(done, total)
+
+
+def _opened(store: Any) -> Dataset:
     import xarray as xr
 
-    dataset: Dataset = xr.open_zarr(path, chunks=None, consolidated=False)
+    dataset: Dataset = xr.open_zarr(store, chunks=None, consolidated=False)
     return dataset.drop_vars("done").set_coords("direction_vector")
 
 

@@ -66,6 +66,8 @@ class Robot:
         flange: the end of the arm, on the last joint; the point chi_{n+1} of Eq. 14.
         xml: the URDF as given to Pinocchio.
         title, source, licence: where the numbers come from.
+        folder: of the description, "" for a text; its meshes are looked for from there.
+        package_dirs: folders that hold the packages of `package://` addresses.
         acceleration: (n,) rad/s^2, acceleration limits of the drives; None when not known.
         jerk: (n,) rad/s^3, jerk limits; None when not known.
         rotor_inertia: (n,) kg m^2, reflected through the gears; None when not known. The mass
@@ -83,7 +85,8 @@ class Robot:
     title: str = ""
     source: str = field(default="", repr=False)
     licence: str = ""
-    package_directory: str = field(default="", repr=False)
+    folder: str = field(default="", repr=False)
+    package_dirs: tuple[str, ...] = field(default=(), repr=False)
     acceleration: NDArray[np.float64] | None = field(default=None, repr=False)
     jerk: NDArray[np.float64] | None = field(default=None, repr=False)
     rotor_inertia: NDArray[np.float64] | None = field(default=None, repr=False)
@@ -105,7 +108,11 @@ class Robot:
         """Tell whether two robots give the same numbers, such as a robot and its pickled copy."""
         if not isinstance(other, Robot):
             return NotImplemented
-        return (self.name, self.digest, self.flange) == (other.name, other.digest, other.flange)
+        mine, theirs = (
+            (self.name, self.digest, self.flange),
+            (other.name, other.digest, other.flange),
+        )
+        return mine == theirs and self._meshes == other._meshes
 
     def __hash__(self) -> int:
         """Return a hash that equal robots share."""
@@ -178,29 +185,49 @@ class Robot:
         return model
 
     @cached_property
+    def _collision(self) -> tuple[Any, list[tuple[str, str]]]:
+        from hitjoints.model.collision_shapes import build_shapes, read_shapes
+
+        shapes, faults = read_shapes(self.xml)
+        geometry, more = build_shapes(self.model, shapes, self.folder, self.package_dirs)
+        return geometry, faults + more
+
+    @property
+    def shape_faults(self) -> list[tuple[str, str]]:
+        """The collision shapes that cannot be read: their links and the reasons."""
+        return self._collision[1]
+
+    @property
     def collision_model(self) -> Any:
         """Pinocchio's geometry of the collision shapes.
 
         Raises:
             ModelError: a shape cannot be read, such as a mesh whose file is missing.
         """
-        import pinocchio as pin
-
-        kind, folders = pin.GeometryType.COLLISION, [self.package_directory]
-        try:
-            return pin.buildGeomFromUrdfString(self.model, self.xml, kind, None, folders)
-        except (ValueError, RuntimeError) as error:
-            reason = f"its collision shapes cannot be read ({str(error).splitlines()[0]})"
-            raise ModelError(self.name, reason) from None
+        geometry, faults = self._collision
+        if faults:
+            (link, reason), count = faults[0], len(faults)
+            which = f"the collision shape of {link}"
+            if count > 1:
+                which = f"{count} collision shapes, first that of {link},"
+            raise ModelError(self.name, f"{which} cannot be read: {reason}")
+        return geometry
 
     @cached_property
     def digest(self) -> str:
-        """Hash of everything the quantities depend on: same digest, same numbers."""
+        """Hash of all that kinematics and dynamics depend on: same digest, same numbers."""
         parts = [self.xml.encode()]
         facts = (self.acceleration, self.jerk, self.rotor_inertia, self.joint_stiffness)
         arrays = (self.model.armature, self.lower, *facts)
         parts += [b"" if a is None else np.ascontiguousarray(a).tobytes() for a in arrays]
         return hashlib.sha256(b"\0".join(parts)).hexdigest()[:16]
+
+    @cached_property
+    def _meshes(self) -> str:
+        """Hash of the meshes that clearance depends on, which the description only names."""
+        from hitjoints.model.collision_shapes import mesh_digest
+
+        return mesh_digest(self.xml, self.folder, self.package_dirs)
 
     @property
     def usual_joint(self) -> int:

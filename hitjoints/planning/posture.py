@@ -89,7 +89,7 @@ def posture(
             refusal = infeasible.immobile(hit, given)
         else:
             pointing = search(HitProblem(hit, "away", lower=lower, upper=upper), sampler, seed)
-            refusal = infeasible.pointed_at(hit, pointing, prove=False)
+            refusal = infeasible.pointed_at(hit, pointing, given[None], prove=False)
         raise InfeasibleError(refusal.reason, {"joint": contact.joint, **refusal.evidence})
     chosen = np.array(found.x[0])
     measured = measure(hit, chosen)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,4 +28,6 @@ def save_figure(figure: Figure, path: Path, argument: str = "plot") -> None:
         InputError: an unknown ending, or a path that cannot be written.
     """
     check_writable(path, argument, FIGURE_ENDINGS)
-    write_whole(path, argument, lambda p: figure.savefig(p, dpi=160))
+    drawn = BytesIO()  # drawn first: no half a file can confuse matplotlib
+    figure.savefig(drawn, format=path.suffix.removeprefix("."), dpi=160)
+    write_whole(path, argument, lambda made: made.write_bytes(drawn.getvalue()))

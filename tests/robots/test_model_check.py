@@ -11,7 +11,8 @@ import pytest
 from hitjoints.dynamics.inertia import inertia_along, inverse_inertia
 from hitjoints.errors import ModelError
 from hitjoints.loading.check import check_arm
-from hitjoints.loading.load import ModelWarning, describe, load_robot
+from hitjoints.loading.load import ModelWarning, load_robot, read_arm
+from hitjoints.loading.source import describe
 from hitjoints.model.robot import Contact
 
 PHANTOM = (
@@ -24,7 +25,7 @@ def issues_of(path, *, quiet=True, **options):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore" if quiet else "error")
         robot = load_robot(path, **options)
-    return check_arm(describe(path, **options).arm, robot)
+    return check_arm(read_arm(describe(path), **options), robot)
 
 
 @pytest.fixture
@@ -126,9 +127,9 @@ def test_zero_mass(last_link, urdf):
 
 
 def test_negative_mass(last_link, urdf):
-    found = last_link(urdf.link("link_3", mass=-1))
-    assert {issue.severity for issue in found} == {"error"}
-    assert found[0].problem == "negative mass -1 kg"
+    # Pinocchio's mass centre of such a link has 30 digits: nothing is told from it.
+    with pytest.raises(ModelError, match="link link_3: negative mass -1 kg"):
+        last_link(urdf.link("link_3", mass=-1))
 
 
 def test_mass_without_a_tensor_is_a_warning(last_link, urdf):

@@ -119,7 +119,7 @@ REFUSED = {
     "hitting_joints = 2": "hitting_joints = 2 must be a list",
     "name = 5": "name = 5 must be text",
     'lock = "joint_1"': "lock = 'joint_1' must be a list",
-    "lock = [1]": "lock = [1] must be names of joints",
+    "lock = [1]": "lock = 1: NAME or NAME=VALUE, a joint and the position (rad or m) to hold",
     "home = = 3": "not a TOML file",
 }
 

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.dynamics.kinematics import jacobian
+from hitjoints.errors import ModelError
 from hitjoints.evidence.physics.engine import engine
 from hitjoints.evidence.physics.engine_arm import arm_spec, link_name, quaternion
 from hitjoints.impact.restitution import contact_spring
@@ -78,6 +79,9 @@ def build_scene(robot: Robot, impact: ImpactState, setting: Setting) -> tuple[An
     Only what is named collides: the sphere of the contact with the box, and box with table. The
     sphere touches the box at the contact point and its centre lies behind it along the hitting
     direction, so the force passes through both.
+
+    Raises:
+        ModelError: the engine refuses the arm.
     """
     mujoco = engine()
     spec = arm_spec(robot)
@@ -96,7 +100,11 @@ def build_scene(robot: Robot, impact: ImpactState, setting: Setting) -> tuple[An
         add_table(spec, centre, setting.size, setting.friction)
     if setting.servo_gain > 0:
         _add_servos(spec, robot, setting.servo_gain)
-    model = spec.compile()
+    try:
+        model = spec.compile()
+    except ValueError as error:  # such as moments of inertia that no body has
+        reason = " ".join(str(error).split()).removeprefix("Error: ")
+        raise ModelError(robot.name, f"the physics engine refuses it ({reason})") from None
     data = mujoco.MjData(model)
     data.qpos[: robot.n], data.qvel[: robot.n] = impact.q, impact.qd
     return model, data

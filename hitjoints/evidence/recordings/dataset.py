@@ -96,8 +96,10 @@ def hits_dataset(hits: Sequence[ReplayedHit], *, along: bool = True) -> Dataset:
 
 def _along(hits: Sequence[ReplayedHit]) -> dict[str, Any]:
     made = [(i, hit.series) for i, hit in enumerate(hits) if hit.series is not None]
-    rows = max((len(series.time) for _, series in made), default=0)
-    joints = max((series.gradient.shape[1] for _, series in made), default=0)
+    if not made:  # no motion could be read: no axes for what is along it
+        return {}
+    rows = max(len(series.time) for _, series in made)
+    joints = max(series.gradient.shape[1] for _, series in made)
     arrays = {name: np.full((len(hits), rows), np.nan) for name in ALONG}
     gradient = np.full((len(hits), rows, joints), np.nan)
     for i, series in made:

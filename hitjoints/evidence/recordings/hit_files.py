@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -51,6 +51,12 @@ def find(paths: Iterable[Path]) -> list[FoundFiles]:
     problem = "it is an object's file: name the robot's beside it, or the folder"
     lonely = {file.absolute(): FoundFiles(file, problem=problem) for file in objects}
     return [*found.values(), *(one for path, one in lonely.items() if path not in used)]
+
+
+def read_by(paths: Iterable[Path]) -> Iterator[Path]:
+    """Yield every file that is read when some files and folders are replayed."""
+    for one in find(paths):
+        yield from (path for path in (one.file, one.object_file) if path is not None)
 
 
 def _robot_files(folder: Path) -> list[Path]:

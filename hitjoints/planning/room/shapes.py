@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.errors import ModelError
+from hitjoints.model.meshes import convex_hull
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -159,12 +160,7 @@ def _shapes(robot: Robot) -> tuple[Any, int]:
         raise ModelError(robot.name, "it has no collision shapes, so distances cannot be told")
     for shape in shapes.geometryObjects:
         if hasattr(shape.geometry, "buildConvexHull"):
-            try:
-                shape.geometry.buildConvexHull(True, "Qt")
-            except RuntimeError as error:
-                reason = f"the collision mesh {shape.name} has no convex hull ({error})"
-                raise ModelError(robot.name, reason) from None
-            shape.geometry = shape.geometry.convex
+            shape.geometry = convex_hull(shape.geometry)
         shape.geometry.computeLocalAABB()
     links = [int(shape.parentJoint) for shape in shapes.geometryObjects]
     pairs = [(a, b) for a, b in combinations(range(len(links)), 2) if abs(links[a] - links[b]) > 1]
