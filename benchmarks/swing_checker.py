@@ -7,6 +7,7 @@ the arm's shapes, pair by pair.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import coal
@@ -35,7 +36,7 @@ def judge(swing: Swing, size: Array, margin: float) -> dict[str, Any]:
         swing: to be judged.
         size: (3,) m, of the object. margin: m, asked for.
     """
-    robot, hit = swing.robot, swing.hit
+    robot, _hit = swing.robot, swing.hit
     count = int(np.floor(swing.motion.duration / STEP))
     q = swing.motion.at(STEP * np.arange(count + 1)).q
     wrong: list[str] = []
@@ -107,7 +108,6 @@ def _strike(swing: Swing, q: Array, at: int) -> dict[str, float]:
     aside = np.linalg.norm(path[: k + 1] + ahead[:, None] * h, axis=1)
     last = int(np.flatnonzero(ahead > 0.03)[-1]) if (ahead > 0.03).any() else 0
     before = int(np.argmin(np.abs(ahead[last:] - 0.005))) + last
-    J = np.zeros((6, robot.n))
     data = robot.model.createData()
     contact = swing.hit.chosen_contact
     pin.computeJointJacobians(robot.model, data, q[at])
@@ -130,44 +130,71 @@ def _strike(swing: Swing, q: Array, at: int) -> dict[str, float]:
     }
 
 
+class _Shapes:
+    """An arm's convex shapes, and the pairs of them that can get more than 15 cm apart."""
+
+    def __init__(self, robot: Any) -> None:
+        self.model, self.data = robot.model, robot.model.createData()
+        self.shapes = pin.GeometryModel(robot.collision_model)
+        for shape in self.shapes.geometryObjects:
+            if hasattr(shape.geometry, "buildConvexHull"):
+                shape.geometry.buildConvexHull(True, "Qt")
+                shape.geometry = shape.geometry.convex
+        self.links = [int(shape.parentJoint) for shape in self.shapes.geometryObjects]
+        count = len(self.links)
+        pairs = [(i, j) for i in range(count) for j in range(i)]
+        pairs = [(i, j) for i, j in pairs if abs(self.links[i] - self.links[j]) > 1]
+        self._take(pairs)
+        farthest: dict[tuple[int, int], float] = {}
+        rng = np.random.default_rng(0)
+        for q in rng.uniform(*robot.finite_limits, size=(300, robot.n)):
+            now: dict[tuple[int, int], float] = {}
+            for (i, j), gap in zip(pairs, self.own(q), strict=True):
+                key = (self.links[i], self.links[j])
+                now[key] = min(now.get(key, np.inf), gap)
+            for key, gap in now.items():
+                farthest[key] = max(farthest.get(key, -np.inf), gap)
+        apart = [(i, j) for i, j in pairs if farthest[self.links[i], self.links[j]] >= BUILT_CLOSE]
+        self._take(apart)
+
+    def _take(self, pairs: list[tuple[int, int]]) -> None:
+        self.shapes.removeAllCollisionPairs()
+        for pair in pairs:
+            self.shapes.addCollisionPair(pin.CollisionPair(*pair))
+        self.geometry = pin.GeometryData(self.shapes)
+
+    def own(self, q: Array) -> list[float]:
+        """Return the distances of the pairs at q, and leave the arm there."""
+        pin.computeDistances(self.model, self.data, self.shapes, self.geometry, q)
+        return [result.min_distance for result in self.geometry.distanceResults]
+
+    def off(self, i: int, solid: Any, where: Any) -> float:
+        """Return the distance of shape i, where it is, from a solid."""
+        here = self.geometry.oMg[i]
+        at = coal.Transform3s(here.rotation, here.translation)
+        mine = self.shapes.geometryObjects[i].geometry
+        request, result = coal.DistanceRequest(), coal.DistanceResult()
+        return float(coal.distance(mine, at, solid, where, request, result))
+
+
+@lru_cache(maxsize=8)
+def _shapes_of(robot: Any) -> _Shapes:
+    return _Shapes(robot)
+
+
 def _clearance(swing: Swing, q: Array, at: int, size: Array) -> float:
-    """Return the least distance: to itself, and to the object until the impact."""
-    robot, hit, contact = swing.robot, swing.hit, swing.hit.chosen_contact
-    shapes = pin.GeometryModel(robot.collision_model)
-    for shape in shapes.geometryObjects:
-        if hasattr(shape.geometry, "buildConvexHull"):
-            shape.geometry.buildConvexHull(True, "Qt")
-            shape.geometry = shape.geometry.convex
-    links = [int(shape.parentJoint) for shape in shapes.geometryObjects]
-    geometry, data = pin.GeometryData(shapes), robot.model.createData()
+    """Return the least distance: of the arm from itself, and from the object until the impact."""
+    arm, hit, contact = _shapes_of(swing.robot), swing.hit, swing.hit.chosen_contact
     carriers = {contact.joint} if any(contact.offset) else {contact.joint, contact.joint - 1}
-    pairs = [
-        (i, j)
-        for i in range(len(links))
-        for j in range(i)
-        if abs(links[i] - links[j]) > 1 and (i, j) in _movable(robot, shapes, links)
-    ]
-
-    def place(row: Array) -> None:
-        pin.updateGeometryPlacements(robot.model, data, shapes, geometry, row)
-
-    def between(i: int, solid: Any, where: Any) -> float:
-        here = geometry.oMg[i]
-        at_i = coal.Transform3s(here.rotation, here.translation)
-        return float(
-            coal.distance(shapes.geometryObjects[i].geometry, at_i, solid, where,
-                          coal.DistanceRequest(), coal.DistanceResult())
-        )  # fmt: skip
-
-    place(q[at])
+    mine = [i for i, k in enumerate(arm.links) if k in carriers]
+    arm.own(q[at])
     h = hit.direction
-    contact_at = data.oMi[contact.joint].act(np.array(contact.offset))
-    ball, mine = coal.Sphere(1e-5), [i for i, k in enumerate(links) if k in carriers]
+    contact_at = arm.data.oMi[contact.joint].act(np.array(contact.offset))
     # The surface ahead of the contact: the farthest point on the line that touches a carrier.
-    ahead = 0.6
-    while ahead > 0:
+    ball, ahead = coal.Sphere(1e-5), 0.6
+    while ahead > 0 and mine:
         where = coal.Transform3s(np.eye(3), contact_at + ahead * h)
-        gap = min(between(i, ball, where) for i in mine) if mine else np.inf
+        gap = min(arm.off(i, ball, where) for i in mine)
         if gap <= 1e-5:
             break
         ahead -= gap
@@ -176,68 +203,21 @@ def _clearance(swing: Swing, q: Array, at: int, size: Array) -> float:
     axes = np.column_stack((h, across, np.cross(h, across)))
     box = coal.Box(*size)
     placed = coal.Transform3s(axes, contact_at + (max(ahead, 0.0) + size[0] / 2) * h)
+    # On the way there nothing may touch the box, wherever the contact is.
+    wind_up = round(sum(piece.duration for piece in swing.motion.pieces[:-2]) / STEP)
 
     def distance(i: int) -> float:
-        place(q[i])
-        found = [
-            coal.distance(
-                shapes.geometryObjects[a].geometry,
-                coal.Transform3s(geometry.oMg[a].rotation, geometry.oMg[a].translation),
-                shapes.geometryObjects[b].geometry,
-                coal.Transform3s(geometry.oMg[b].rotation, geometry.oMg[b].translation),
-                coal.DistanceRequest(),
-                coal.DistanceResult(),
-            )
-            for a, b in pairs
-        ]
+        found = arm.own(q[i])
         if i <= at:
-            point = data.oMi[contact.joint].act(np.array(contact.offset))
-            early = (hit.position - point) @ h > EARLY or i < last_way
-            found += [between(a, box, placed) for a in range(len(links)) if early or a not in mine]
+            point = arm.data.oMi[contact.joint].act(np.array(contact.offset))
+            early = (hit.position - point) @ h > EARLY or i < wind_up
+            shapes = [a for a in range(len(arm.links)) if early or a not in mine]
+            found += [arm.off(a, box, placed) for a in shapes]
         return min(found, default=np.inf)
 
-    # On the way there nothing may touch the box, wherever the contact is.
-    last_way = round(
-        sum(piece.duration for piece in swing.motion.pieces[:-2]) / STEP
-    )
-    coarse = list(range(0, len(q), 10))
-    seen = {i: distance(i) for i in coarse}
-    for i in coarse:
+    seen = {i: distance(i) for i in range(0, len(q), 10)}
+    for i in sorted(seen):
         if seen[i] < NEAR_BY:
-            for j in range(max(i - 9, 0), min(i + 10, len(q))):
-                if j not in seen:
-                    seen[j] = distance(j)
+            more = range(max(i - 9, 0), min(i + 10, len(q)))
+            seen |= {j: distance(j) for j in more if j not in seen}
     return min(seen.values())
-
-
-_MOVABLE: dict[str, set[tuple[int, int]]] = {}
-
-
-def _movable(robot: Any, shapes: Any, links: list[int]) -> set[tuple[int, int]]:
-    """Return the pairs of shapes whose links get more than 15 cm apart."""
-    if robot.digest not in _MOVABLE:
-        geometry, data = pin.GeometryData(shapes), robot.model.createData()
-        farthest: dict[tuple[int, int], float] = {}
-        rng = np.random.default_rng(0)
-        every = [(i, j) for i in range(len(links)) for j in range(i)]
-        for q in rng.uniform(*robot.finite_limits, (300, robot.n)):
-            pin.updateGeometryPlacements(robot.model, data, shapes, geometry, q)
-            now: dict[tuple[int, int], float] = {}
-            for i, j in every:
-                where = geometry.oMg[i], geometry.oMg[j]
-                gap = coal.distance(
-                    shapes.geometryObjects[i].geometry,
-                    coal.Transform3s(where[0].rotation, where[0].translation),
-                    shapes.geometryObjects[j].geometry,
-                    coal.Transform3s(where[1].rotation, where[1].translation),
-                    coal.DistanceRequest(),
-                    coal.DistanceResult(),
-                )
-                key = (links[i], links[j])
-                now[key] = min(now.get(key, np.inf), gap)
-            for key, gap in now.items():
-                farthest[key] = max(farthest.get(key, -np.inf), gap)
-        _MOVABLE[robot.digest] = {
-            (i, j) for i, j in every if farthest[links[i], links[j]] >= BUILT_CLOSE
-        }
-    return _MOVABLE[robot.digest]

@@ -1,4 +1,4 @@
-"""Swings for random hits of five arms: how many can be sent, what they deliver, and how long it takes.
+"""Swings for random hits of five arms: how many can be sent, what they deliver, what they cost.
 
 `python -m benchmarks.swings 20` makes 20 hits for each arm, judged by `swing_checker`.
 """
@@ -23,19 +23,27 @@ from hitjoints.hit import Hit
 from hitjoints.model.robot import Robot
 from hitjoints.planning.room.shapes import scene_of
 from hitjoints.quantities import kernel_for, place_joint
-from hitjoints.swings.swing import swing
+from hitjoints.swings.make_swing import swing
+from hitjoints.swings.swing_record import Swing
 
 SIZE = np.array([0.1, 0.1, 0.1])
 MARGIN = 0.005
 STATED = {"xarm7": 10.0, "ur5": 10.0}
 """rad/s^2, for arms that tell no acceleration limits: an assumption of this benchmark."""
-NAMED = ("unreachable", "no clear configuration", "a flux of", "no configuration moves")
+NAMED = (
+    "unreachable",
+    "no reachable run-up",
+    "no clear configuration",
+    "a flux of",
+    "no configuration moves",
+)
 
 
 def ur5() -> Path:
     """Return the URDF of the UR5 in the wheel of example-robot-data."""
     spec = find_spec("cmeel")
-    assert spec is not None and spec.submodule_search_locations is not None
+    assert spec is not None
+    assert spec.submodule_search_locations is not None
     site = Path(next(iter(spec.submodule_search_locations))).parent
     folder = site / "cmeel.prefix/share/example-robot-data/robots/ur_description/urdf"
     return folder / "ur5_robot.urdf"
@@ -101,41 +109,41 @@ def run(name: str, robot: Robot, count: int, seed: int, *, roll: bool) -> Tally:
     acceleration = None if robot.acceleration is not None else STATED[name]
     for hit in random_hits(robot, count, seed):
         share = float(rng.uniform(0.3, 0.9))
-        for asked in (None, share):
-            if asked is None:
-                wanted = hit
-            elif tally.asked and fastest is not None:
-                wanted = hit.with_flux(asked * fastest)
-            else:
-                continue
-            tally.asked += 1
-            begin = time.perf_counter()
+        fastest = attempt(tally, robot, hit, acceleration)
+        if fastest is None:
+            continue
+        most = static_maximum(robot, hit)
+        if most > 0:
+            tally.shares.append(fastest.flux / most)
+        wanted = hit.with_flux(share * fastest.flux)
+        attempt(tally, robot, wanted, acceleration)
+        if roll:
             try:
-                made = swing(robot, wanted, acceleration=acceleration, margin=MARGIN)
-            except hj.InfeasibleError as error:
-                fastest = None
-                tally.times.append(time.perf_counter() - begin)
-                word = next((word for word in NAMED if error.reason.startswith(word)), "")
-                (tally.named if word else tally.failed)[word or error.reason] += 1
-                continue
-            tally.times.append(time.perf_counter() - begin)
-            found = judge(made, SIZE, MARGIN)
-            tally.sendable += made.sendable
-            tally.wrong.update(found["wrong"])
-            tally.strikes.append(found)
-            tally.durations.append(made.duration)
-            if asked is None:
-                fastest = made.flux
-                most = static_maximum(robot, hit)
-                if most > 0:
-                    tally.shares.append(made.flux / most)
-            elif roll:
-                try:
-                    rolled = hj.rollout(robot, wanted)
-                    tally.rollouts[rolled.reason.split(" ")[0] or "hit"] += 1
-                except hj.HitjointsError:
-                    tally.rollouts["refused"] += 1
+                rolled = hj.rollout(robot, wanted)
+                tally.rollouts[rolled.reason.split(" ")[0] or "hit"] += 1
+            except hj.HitjointsError:
+                tally.rollouts["refused"] += 1
     return tally
+
+
+def attempt(tally: Tally, robot: Robot, hit: Hit, acceleration: float | None) -> Swing | None:
+    """Return a swing, judged and counted; None where there is none."""
+    tally.asked += 1
+    begin = time.process_time()
+    try:
+        made = swing(robot, hit, acceleration=acceleration, margin=MARGIN)
+    except hj.InfeasibleError as error:
+        tally.times.append(time.process_time() - begin)
+        word = next((word for word in NAMED if error.reason.startswith(word)), "")
+        (tally.named if word else tally.failed)[word or error.reason] += 1
+        return None
+    tally.times.append(time.process_time() - begin)
+    found = judge(made, SIZE, MARGIN)
+    tally.sendable += made.sendable
+    tally.wrong.update(found["wrong"])
+    tally.strikes.append(found)
+    tally.durations.append(made.duration)
+    return made
 
 
 def report(name: str, tally: Tally) -> str:
@@ -146,15 +154,15 @@ def report(name: str, tally: Tally) -> str:
     lines = [
         f"{name}: {tally.sendable} of {tally.asked - refused} sendable ({100 * share:.1f} %), "
         f"{refused} refused by name {dict(tally.named)}",
-        f"  violations: {dict(tally.wrong)}; search {np.median(ms):.0f} ms, 95 % "
-        f"{np.percentile(ms, 95):.0f} ms",
+        f"  violations: {dict(tally.wrong)}; processor time {np.median(ms):.0f} ms, "
+        f"95 % {np.percentile(ms, 95):.0f} ms; motions of {np.median(tally.durations):.2f} s",
     ]
     if tally.shares:
         median, low = np.median(tally.shares), np.percentile(tally.shares, 5)
         lines.append(f"  flux of the clear static maximum: median {median:.3f}, 5 % {low:.3f}")
-    for key, unit, scale in (
-        ("miss", "mm", 1e3), ("angle", "deg", 1), ("angle_before", "deg", 1), ("sideways", "mm", 1e3)
-    ):  # fmt: skip
+    units = {"miss": "mm", "angle": "deg", "angle_before": "deg", "sideways": "mm"}
+    for key, unit in units.items():
+        scale = 1e3 if unit == "mm" else 1.0
         values = scale * np.array([its[key] for its in tally.strikes] or [np.nan])
         lines.append(f"  {key}: median {np.median(values):.3g}, most {values.max():.3g} {unit}")
     if tally.rollouts:

@@ -112,7 +112,9 @@ def _limit(values: ArrayLike | None, n: int, name: str) -> Array | None:
     except (TypeError, ValueError):
         raise InputError(name, values, expected) from None
     if array.size == 1:
-        array = np.full(n, float(array.reshape(())))if array.ndim == 0 else np.full(n, array.item())
+        array = (
+            np.full(n, float(array.reshape(()))) if array.ndim == 0 else np.full(n, array.item())
+        )
     if array.shape != (n,) or not (np.isfinite(array) & (array > 0)).all():
         raise InputError(name, np.asarray(values).tolist(), expected)
     return array

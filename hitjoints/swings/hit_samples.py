@@ -106,8 +106,10 @@ def _fastest(J: Array, h: Array, lower: Array, upper: Array) -> Array:
     return np.where((speed > 0) & (sideways <= SIDEWAYS * np.abs(speed) + 1e-9), speed, 0.0)
 
 
-def spread_out(robot: Robot, hit: Hit, samples: Samples, chosen: Array) -> Iterator[int]:
-    """Yield the chosen rows, the one of greatest flux first, then the farthest from all before.
+def spread_out(
+    robot: Robot, hit: Hit, samples: Samples, chosen: NDArray[np.intp], start: Array
+) -> Iterator[int]:
+    """Yield the chosen rows: the nearest to the start, then the farthest from all before.
 
     Diverse configurations matter: of near ones mostly all fail, or none.
 
@@ -115,6 +117,7 @@ def spread_out(robot: Robot, hit: Hit, samples: Samples, chosen: Array) -> Itera
         robot, hit: the arm and the hit.
         samples: all.
         chosen: (M,) rows.
+        start: (n,) rad.
     """
     if not chosen.size:
         return
@@ -122,7 +125,7 @@ def spread_out(robot: Robot, hit: Hit, samples: Samples, chosen: Array) -> Itera
     moving = contact.joint if any(contact.offset) else contact.joint - 1
     weights = np.where(np.arange(robot.n) < moving, 1.0, IDLE)
     q = samples.q[chosen] * weights
-    now = int(np.argmax(samples.flux[chosen]))
+    now = int(np.argmin(np.abs(q - start * weights).max(axis=1)))
     distance = np.full(len(chosen), np.inf)
     for _ in range(len(chosen)):
         yield int(chosen[now])

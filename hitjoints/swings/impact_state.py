@@ -70,7 +70,9 @@ def _least_norm(J: Array, velocity: Array, lower: Array, upper: Array) -> Array 
     try:
         n = widths.size
         bounds = lower / widths, upper / widths
-        found = solve(Program(np.zeros(n), *bounds, H=np.eye(n), A=Vt[kept], b=along[kept] / s[kept]))
+        found = solve(
+            Program(np.zeros(n), *bounds, H=np.eye(n), A=Vt[kept], b=along[kept] / s[kept])
+        )
     except HitjointsError:
         return None
     qd = np.clip(widths * found.x, lower, upper)
@@ -93,6 +95,4 @@ def straightening(robot: Robot, q: Array, qd: Array, contact: Contact, h: Array,
     ).linear
     across = np.linalg.svd(h[None, :])[2][1:]
     rows = across @ J
-    return np.asarray(
-        -np.linalg.pinv(rows, rcond=1e-6) @ (across @ bent)
-    )
+    return np.asarray(-np.linalg.pinv(rows, rcond=1e-6) @ (across @ bent))

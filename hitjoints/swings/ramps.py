@@ -60,9 +60,7 @@ def least_time(acceleration: Array, jerk: Array) -> Array:
     """Return the shortest times (n,) s of ramps to unit speed within limits (n,) per unit speed."""
     reached = jerk < acceleration**2  # unit speed before the greatest acceleration is built up
     with np.errstate(divide="ignore"):
-        return np.where(
-            reached, 2.0 / np.sqrt(jerk), 1.0 / acceleration + acceleration / jerk
-        )
+        return np.where(reached, 2.0 / np.sqrt(jerk), 1.0 / acceleration + acceleration / jerk)
 
 
 def ramp_of(time: Array, acceleration: Array, jerk: Array) -> Ramp:

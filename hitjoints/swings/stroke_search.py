@@ -70,35 +70,34 @@ class StrokeSearch:
 
     def strokes(self, strike: Strike, box: Obstacle | None) -> Iterator[tuple[Stroke, str]]:
         """Yield strokes, straight ones first, each with what is in its way: nothing, or a word."""
-        bent = straightening(
-            self._robot, strike.q, strike.qd, self._contact, self._hit.direction, strike.J
-        )
-        together = self._wind_ups(strike, individual=False)
-        curves = [(bent, wind_up) for wind_up in together]
-        line = np.zeros_like(bent)
-        curves += [(line, wind_up) for wind_up in self._wind_ups(strike, individual=True)]
-        curves += zip(self._through_the_line(strike, together), together, strict=True)
         coast = COAST / strike.speed
-        tried = [Stroke(strike.q, strike.qd, c, ramp, coast, ramp) for c, ramp in curves]
-        for stroke, reason in zip(tried, self._approaches(tried, strike), strict=True):
-            if reason:
-                yield stroke, reason
-                continue
-            reason = self._wind_up_clear(stroke, box)
-            if reason:
-                yield stroke, reason
-                continue
-            yield self._stopped(stroke, strike)
+        for curves in (self._straightened, self._lines, self._through_the_line):
+            tried = [
+                Stroke(strike.q, strike.qd, curvature, wind_up, coast, wind_up)
+                for curvature, wind_up in curves(strike)
+            ]
+            for stroke, reason in zip(tried, self._approaches(tried, strike), strict=True):
+                blocked = reason or self._wind_up_clear(stroke, box)
+                yield (stroke, blocked) if blocked else self._stopped(stroke, strike)
 
-    def _through_the_line(self, strike: Strike, ramps: list[Ramp]) -> Array:
-        """Return curvatures with which wind-ups begin on the line of the hit, (ramps, n) rad/s^2.
+    def _straightened(self, strike: Strike) -> Iterator[tuple[Array, Ramp]]:
+        """Yield parabolas whose contact's path is not curved sideways at the impact."""
+        h = self._hit.direction
+        bent = straightening(self._robot, strike.q, strike.qd, self._contact, h, strike.J)
+        return ((bent, wind_up) for wind_up in self._wind_ups(strike, individual=False))
 
-        They begin where the contact would be if it came all the way straight.
-        """
+    def _lines(self, strike: Strike) -> Iterator[tuple[Array, Ramp]]:
+        """Yield lines, each joint winding up as long as its room allows."""
+        line = np.zeros_like(strike.q)
+        return ((line, wind_up) for wind_up in self._wind_ups(strike, individual=True))
+
+    def _through_the_line(self, strike: Strike) -> Iterator[tuple[Array, Ramp]]:
+        """Yield parabolas that begin where the contact would be if it came all the way straight."""
+        ramps = self._wind_ups(strike, individual=False)
         s = np.array([0.5 * ramp.time[0] for ramp in ramps])[:, None]
         behind = self._hit.position - s * strike.speed * self._hit.direction
         begun = place_joint(self._robot, self._contact, behind, start=strike.q).q
-        return np.asarray(2.0 * (begun - strike.q + strike.qd * s) / s**2)
+        return zip(2.0 * (begun - strike.q + strike.qd * s) / s**2, ramps, strict=True)
 
     def _wind_ups(self, strike: Strike, *, individual: bool) -> list[Ramp]:
         size = np.maximum(np.abs(strike.qd), 1e-9)

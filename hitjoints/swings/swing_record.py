@@ -11,6 +11,7 @@ import numpy as np
 
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import jacobian, position
+from hitjoints.export.trajectory import Trajectory, write_trajectory
 from hitjoints.swings.motion_limits import greatest_ratios, torques
 
 if TYPE_CHECKING:
@@ -25,8 +26,8 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-BETWEEN = 1e-6
-"""Share of a limit that a moment between two samples may be beyond it."""
+NOTED = ("hit", "impact_time", "flux", "unknown")
+"""What of `as_dict` goes into a trajectory's file."""
 RESTING = 1e-12
 """rad/s, a velocity that is none."""
 
@@ -45,6 +46,7 @@ class Swing:
         closest: of what that is.
         maximum_flux: m/s, the greatest that the samples could deliver, if limits alone counted.
         tried: what was in the way of other strokes -> how often.
+        notes: what is not as asked for.
     """
 
     robot: Robot
@@ -57,6 +59,7 @@ class Swing:
     closest: str
     maximum_flux: float
     tried: dict[str, int] = field(default_factory=dict, repr=False)
+    notes: tuple[str, ...] = ()
 
     @cached_property
     def times(self) -> Array:
@@ -107,9 +110,7 @@ class Swing:
     @cached_property
     def velocity(self) -> Array:
         """Of the contact at the impact, (3,) m/s."""
-        return np.asarray(
-            jacobian(self.robot, self.q_hit, self.hit.chosen_contact) @ self.qd_hit
-        )
+        return np.asarray(jacobian(self.robot, self.q_hit, self.hit.chosen_contact) @ self.qd_hit)
 
     @property
     def speed(self) -> float:
@@ -196,6 +197,7 @@ class Swing:
             "unknown": list(self.limits.unknown),
             "hit": self.hit.as_dict(),
             "tried": self.tried,
+            "notes": list(self.notes),
         }
 
     def __repr__(self) -> str:
@@ -206,8 +208,19 @@ class Swing:
             f"{self.flux:.4g} m/s after {self.impact_time:.3f} s of {self.duration:.3f} s; {state})"
         )
 
-    def save(self, path: Path | str) -> None:
-        """Write the trajectory; see `export.trajectory.write_trajectory`."""
-        from hitjoints.export.trajectory import write_trajectory
+    @property
+    def trajectory(self) -> Trajectory:
+        """The samples, as files hold them."""
+        joints, said = self.joints, self.as_dict()
+        notes = {name: said[name] for name in NOTED} | {"robot": self.robot.name}
+        names = tuple(self.robot.joint_names)
+        rows = joints.q, joints.qd, joints.qdd, self.torque
+        return Trajectory(names, self.times, *rows, self.why, notes)
 
-        write_trajectory(self, path)
+    def save(self, path: Path | str) -> None:
+        """Write the trajectory; see `write_trajectory`.
+
+        Raises:
+            InputError: an unknown ending, or a path that cannot be written.
+        """
+        write_trajectory(self.trajectory, path, "path")

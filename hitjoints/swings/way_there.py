@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -58,7 +59,7 @@ def way_there(
             share = i / VIAS
             middle = 0.5 * (start + end)
             corners.insert(1, middle + share * (rng.uniform(low, high) - middle))
-        lines = [line_between(a, b, limits) for a, b in zip(corners[:-1], corners[1:], strict=True)]
+        lines = [line_between(a, b, limits) for a, b in itertools.pairwise(corners)]
         if not all(_clear(room, box, line) for line in lines):
             reason = reason or "collision"
             continue

@@ -1,4 +1,4 @@
-"""Make a swing: choose where and how to strike, wind up, get there, and stop."""
+"""Search a swing: choose where and how to strike, wind up, get there, and stop."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
+from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InfeasibleError, InputError
-from hitjoints.swings.clear_way import Obstacle, Room
+from hitjoints.quantities import place_joint
 from hitjoints.swings.curves import Motion, Piece, Rest, Stroke
-from hitjoints.swings.drive_limits import DriveLimits, drive_limits
 from hitjoints.swings.hit_samples import Samples, draw, folded, measured, spread_out
 from hitjoints.swings.impact_state import impact_velocity
 from hitjoints.swings.motion_limits import greatest_ratios, torques
-from hitjoints.swings.stroke_search import Strike, StrokeSearch
+from hitjoints.swings.stroke_search import RUN_UP, Strike, StrokeSearch
 from hitjoints.swings.swing_record import Swing
 from hitjoints.swings.way_there import way_there
 
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
     from hitjoints.hit import Hit
     from hitjoints.model.robot import Robot
+    from hitjoints.swings.clear_way import Obstacle, Room
+    from hitjoints.swings.drive_limits import DriveLimits
 
     Array = NDArray[np.float64]
 
@@ -32,65 +34,30 @@ CANDIDATES = 40
 """Configurations whose strokes are looked at."""
 SIZE = (0.1, 0.1, 0.1)
 """m, edges of the object where none are given."""
-MARGIN = 0.005
-"""m, the default clearance."""
 HOLDING = 0.95
 """Share of the torque limits that gravity may take at the impact."""
-TIERS = (0.98, 0.95, 0.9, 0.8, 0.65, 0.5, 0.3)
+TIERS = (0.995, 0.98, 0.95, 0.9, 0.8, 0.65, 0.5, 0.3)
 """Shares of the greatest flux, where no flux is asked for: strokes of more are tried first."""
 SHORT = 0.996
 """Share of the flux asked for that counts as that: what is asked may be a rounded maximum."""
-SHORTEST, LONGEST = 1e-4, 0.02
-"""s, spacing of samples."""
+AT_THE_OBJECT = 1e-4
+"""m, how far from the object a given configuration may hold the contact."""
+STARTS = 100
+"""Attempts at placing the contact behind the object."""
 
 
-def swing(
-    robot: Robot,
-    hit: Hit,
-    *,
-    q0: ArrayLike | None = None,
-    q_hit: ArrayLike | None = None,
-    acceleration: ArrayLike | None = None,
-    jerk: ArrayLike | None = None,
-    table_height: float | None = None,
-    margin: float = MARGIN,
-    dt: float = 0.001,
-    seed: int = 0,
-) -> Swing:
-    """Make a motion from rest to rest that strikes, keeps all known limits, and can be sent.
-
-    Only the state at the impact is prescribed: the contact at the object, moving straight along
-    the direction, with the flux asked for or as much as can be. The arm winds up for it in joint
-    space, keeps the velocity for 10 mm after the impact, and stops.
+class SwingSearch:
+    """Searches a swing of one arm for one hit.
 
     Args:
-        robot: the arm.
-        hit: what is asked; its `flux` may be None for the greatest that can be.
-        q0: (n,) rad, where the arm is; by default its home.
-        q_hit: (n,) rad, the configuration to strike in, such as a plan's, tried before others.
-        acceleration, jerk: rad/s^2 and rad/s^3, one number or (n,); by default the robot's. An
-            unknown jerk limit is not kept, and said to be unknown.
-        table_height: m, of a table to stay above.
-        margin: m, clearance to the object until the impact, to the table, and of the arm to itself.
-        dt: s, spacing of the samples, 1e-4 to 0.02; the impact falls on one.
+        robot, hit: the arm and the hit.
+        limits: of its drives.
+        room: what is around.
+        start: (n,) rad, where the arm is.
+        dt: s, spacing of the samples.
         seed: of the samples.
-
-    Raises:
-        InputError: an argument cannot be used, such as a start beyond limits or in collision.
-        InfeasibleError: unreachable, no clear configuration, a flux beyond the maximum (which
-            `data` holds as `maximum_flux`), or no stroke found, and why.
     """
-    if not (math.isfinite(dt) and SHORTEST <= dt <= LONGEST):
-        raise InputError("dt", dt, f"a spacing of {SHORTEST:g} s to {LONGEST:g} s")
-    if not math.isfinite(margin):
-        raise InputError("margin", margin, "a finite distance in metres")
-    limits = drive_limits(robot, acceleration, jerk)
-    start = robot.within_limits(robot.home if q0 is None else q0, "q0")
-    maker = _Maker(robot, hit, limits, Room(robot, margin, table_height), start, dt, seed)
-    return maker.swing(q_hit)
 
-
-class _Maker:
     def __init__(
         self,
         robot: Robot,
@@ -108,14 +75,21 @@ class _Maker:
         self.size = np.array(SIZE) if hit.size is None else hit.size
         self.search = StrokeSearch(robot, hit, limits, room)
         self.reasons: Counter[str] = Counter()
+        self.notes: list[str] = []
         self.best = 0.0
 
     def swing(self, q_hit: ArrayLike | None) -> Swing:
+        """Return the swing, from q_hit (n,) rad if it can be.
+
+        Raises:
+            InputError, InfeasibleError: as `swing`.
+        """
         self._check_start()
         drawn = draw(self.robot, self.hit, self.limits, self.start, self.seed)
         if q_hit is not None:
-            first = folded(self.robot, np.atleast_2d(q_hit), self.start)
+            first = folded(self.robot, self._at_object(q_hit)[None], self.start)
             drawn = np.concatenate((first, drawn))
+        self._check_run_up()
         samples = measured(self.robot, self.hit, self.limits, drawn)
         self.best = float(samples.flux.max(initial=0.0))
         wanted = self.hit.flux
@@ -127,10 +101,13 @@ class _Maker:
                 f"be delivered from rest with joint {self.contact.joint} at the object",
                 {"maximum_flux": self.best, "flux": wanted},
             )
-        if q_hit is not None and samples.flux[0] >= SHORT * (wanted or 0.0):
-            found = self._from(samples, np.array([0]), wanted)
-            if found is not None:
-                return found
+        if q_hit is not None:
+            if samples.flux[0] >= SHORT * (wanted or 0.0):
+                found = self._from(samples, np.array([0]), wanted)
+                if found is not None:
+                    return found
+            reason = ", ".join(self.reasons) or f"it delivers {samples.flux[0]:.3g} m/s at most"
+            self.notes.append(f"no swing from the q_hit asked for ({reason}): another is taken")
         most = np.inf
         for share in TIERS if wanted is None else (1.0,):
             least = share * self.best if wanted is None else SHORT * wanted
@@ -147,9 +124,30 @@ class _Maker:
             expected = f"{seen.what} are {seen.least:.3g} m apart there"
             raise InputError("q0", self.start.round(4).tolist(), expected)
 
-    def _from(self, samples: Samples, chosen: Array, wanted: float | None) -> Swing | None:
+    def _at_object(self, q: ArrayLike) -> Array:
+        q = self.robot.within_limits(q, "q_hit")
+        off = float(np.linalg.norm(position(self.robot, q, self.contact) - self.hit.position))
+        if off > AT_THE_OBJECT:
+            expected = f"it holds the contact {off:.3g} m off the object"
+            raise InputError("q_hit", q.round(4).tolist(), expected)
+        return np.array(place_joint(self.robot, self.contact, self.hit.position, start=q).q[0])
+
+    def _check_run_up(self) -> None:
+        """Refuse a hit for which the contact cannot begin far enough behind the object."""
+        behind = self.hit.position - RUN_UP * self.hit.direction
+        placed = place_joint(self.robot, self.contact, np.tile(behind, (STARTS, 1)), self.seed)
+        if not placed.solved.any():
+            raise InfeasibleError(
+                f"no reachable run-up: joint {self.contact.joint} comes no nearer than "
+                f"{placed.error.min():.3g} m to the point {100 * RUN_UP:g} cm behind the object",
+                {"joint": self.contact.joint, "nearest": float(placed.error.min())},
+            )
+
+    def _from(
+        self, samples: Samples, chosen: NDArray[np.intp], wanted: float | None
+    ) -> Swing | None:
         looked = 0
-        for row in spread_out(self.robot, self.hit, samples, chosen):
+        for row in spread_out(self.robot, self.hit, samples, chosen, self.start):
             q = samples.q[row]
             gravity = pin.computeGeneralizedGravity(self.robot.model, self.robot.data, q)
             if (np.abs(gravity) > HOLDING * self.limits.effort).any():
@@ -170,9 +168,9 @@ class _Maker:
     def _strike(
         self, samples: Samples, row: int, wanted: float | None, box: Obstacle | None
     ) -> Swing | None:
-        flux = samples.flux[row] if wanted is None else min(wanted, samples.flux[row])
-        share = samples.inertia[row] / (samples.inertia[row] + self.hit.mass)
-        speed = (1.0 - 1e-9) * float(flux / share)
+        most = (1.0 - 1e-9) * float(samples.flux[row])
+        share = float(samples.inertia[row] / (samples.inertia[row] + self.hit.mass))
+        speed = (most if wanted is None else min(wanted, most)) / share
         J, ends = samples.J[row], (samples.lower[row], samples.upper[row])
         qd = impact_velocity(J, self.hit.direction, *ends, speed)
         if qd is None:
@@ -217,7 +215,8 @@ class _Maker:
         """Look at a whole motion densely: at every sample and between them."""
         robot, limits = self.robot, self.limits
         step = min(self.dt, 1e-3) / 2
-        joints = motion.at(step * np.arange(int(motion.duration / step) + 1))
+        times: Array = step * np.arange(int(motion.duration / step) + 1.0)
+        joints = motion.at(times)
         if max(greatest_ratios(limits, joints)) > 1.0:
             return "limits, looked at densely"
         if ((joints.q < robot.lower) | (joints.q > robot.upper)).any():
@@ -241,6 +240,7 @@ class _Maker:
             least.what,
             self.best,
             dict(self.reasons),
+            tuple(self.notes),
         )
         return found if found.sendable else found.why
 
