@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import typer
@@ -25,6 +27,18 @@ class RobotOptions(OptionGroup):
         str,
         typer.Option("--robot", metavar="NAME|FILE", help="Built-in name, or a URDF or TOML file."),
     ] = ROBOT
+    package_dirs: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--package-dir", metavar="DIR", help="Folder of package:// addresses; may be repeated."
+        ),
+    ] = None
+    xacro_args: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--xacro-arg", metavar="NAME:=VALUE", help="Argument of a xacro file; may be repeated."
+        ),
+    ] = None
 
     def load(self) -> Robot:
         """Load it.
@@ -34,4 +48,17 @@ class RobotOptions(OptionGroup):
         """
         from hitjoints.loading.load import load_robot
 
-        return load_robot(self.robot)
+        return load_robot(
+            self.robot,
+            package_dirs=self.package_dirs or (),
+            xacro_args=assigned(self.xacro_args or ()),
+        )
+
+
+def assigned(words: Sequence[str]) -> dict[str, str]:
+    """Read "NAME:=VALUE", each once."""
+    pairs = [word.partition(":=") for word in words]
+    for word, (name, sign, _) in zip(words, pairs, strict=True):
+        if not (name and sign):
+            raise typer.BadParameter(f"{word!r} is not of the form NAME:=VALUE")
+    return {name: value for name, _, value in pairs}

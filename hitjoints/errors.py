@@ -79,7 +79,7 @@ def _near(name: str, known: list[str]) -> list[str]:
     if len(word) < 2:
         return []
     within = [other for other in known if word in other.lower()]
-    return list(dict.fromkeys([*within, *get_close_matches(name, known)]))[:3]
+    return list(dict.fromkeys([*within, *get_close_matches(name, known, cutoff=0.75)]))[:3]
 
 
 class ModelError(HitjointsError):

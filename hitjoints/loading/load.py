@@ -11,13 +11,20 @@ import numpy as np
 
 from hitjoints.errors import InputError, ModelError, shown
 from hitjoints.loading.check import check_arm
-from hitjoints.loading.facts import DRIVE_FACTS, drive_fact, per_joint, provenance, read_lock
+from hitjoints.loading.facts import (
+    DRIVE_FACTS,
+    LIMITS,
+    drive_fact,
+    per_joint,
+    provenance,
+    read_lock,
+)
 from hitjoints.loading.source import Description, describe
 from hitjoints.model.arm import Arm, choose_arm
 from hitjoints.model.compare import compare_model
 from hitjoints.model.robot import Contact, Robot
 from hitjoints.model.tips import end_rank
-from hitjoints.model.urdf import read_urdf
+from hitjoints.model.turns import middle
 from hitjoints.model.urdf_text import urdf_text
 
 Lock = str | Iterable[str] | Mapping[str, float] | None
@@ -64,7 +71,7 @@ def load_robot(
     arm = read_arm(description, tip, base, lock)
     robot = build_robot(description, arm)
     for issue in check_arm(arm, robot):
-        if issue.severity == "error":
+        if issue.at_load:
             warnings.warn(f"{robot.name}: {issue}", ModelWarning, stacklevel=2)
     return robot
 
@@ -82,11 +89,12 @@ def read_arm(
     except InputError as error:
         raise ModelError(name, str(error)) from None
     return choose_arm(
-        read_urdf(description.text, description.source),
+        description.tree,
         description.source,
         facts.get("tip") if tip is None else tip,
         facts.get("base") if base is None else base,
         told | read_lock(lock),
+        {key: facts[key] for key in LIMITS if key in facts},
     )
 
 
@@ -99,13 +107,15 @@ def build_robot(description: Description, arm: Arm) -> Robot:
     facts, name = description.facts, description.name
     model = _model(arm, name)
     n = model.nv
-    model.armature = per_joint(facts, "armature", np.zeros(n), name)
+    chain = [arm.tree.joints[joint] for joint in arm.joints]
+    told = np.array([joint.armature for joint in chain])
+    model.armature = per_joint(facts, "armature", told, name)
     if (model.armature < 0).any():
         raise ModelError(name, f"armature = {shown(facts['armature'])} must not be negative")
-    lower, upper = model.lowerPositionLimit, model.upperPositionLimit
-    middle, bounded = np.zeros(n), np.isfinite(lower)
-    middle[bounded] = (lower[bounded] + upper[bounded]) / 2
-    home = per_joint(facts, "home", middle, name)
+    turning = np.array([joint.kind != "prismatic" for joint in chain])
+    usual = middle(model.lowerPositionLimit, model.upperPositionLimit, turning)
+    rest = [m if joint.home is None else joint.home for joint, m in zip(chain, usual, strict=True)]
+    home = per_joint(facts, "home", np.array(rest), name)
     joints = tuple(facts.get("hitting_joints", range(max(1, n - 2), n + 1)))
     if not joints or not all(type(k) is int and 1 <= k <= n for k in joints):
         raise ModelError(name, f"hitting_joints = {shown(joints)} must be joints from 1 to {n}")

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from hitjoints.errors import InputError, ModelError, UnknownNameError
+from hitjoints.model.limits import with_limits
 from hitjoints.model.tips import find_tip, tips
 from hitjoints.model.tree import MOVING, roll_pitch_yaw, rotation, turn_about
 from hitjoints.model.urdf import check_moving
@@ -62,6 +63,7 @@ def choose_arm(
     tip: str | None = None,
     base: str | None = None,
     lock: Mapping[str, float] | None = None,
+    limits: Mapping[str, Any] | None = None,
 ) -> Arm:
     """Choose the chain from a base to a tip; all other joints are held.
 
@@ -72,6 +74,7 @@ def choose_arm(
         base: link that the arm stands on, whose frame becomes the world's: the root by default.
         lock: positions (rad or m) of joints to hold. A joint off the chain that is not among them
             is held at zero, or at the limit nearest to it; one that mimics a held joint follows.
+        limits: of the chain's joints, as `with_limits`.
 
     Raises:
         InputError: no such tip, base or joint, or a position outside the joint's limits.
@@ -93,6 +96,7 @@ def choose_arm(
         raise ModelError(source, f"it has no moving joint before the tip {tip}")
     if len(chain) > MOST_JOINTS:
         raise ModelError(source, f"it has {len(chain)} joints, an arm at most {MOST_JOINTS}")
+    chain = with_limits(chain, limits or {}, source)
     for joint in chain:
         if joint.mimic:
             follows = f"joint {joint.name} on the way to the tip {tip} follows {joint.mimic}"
@@ -105,6 +109,7 @@ def choose_arm(
         if joint.moves and name not in free
     }
     joints = {n: _fixed(j, held[n]) if n in held else j for n, j in rooted.joints.items()}
+    joints |= {joint.name: joint for joint in chain}
     still = replace(rooted, joints=joints)
     return Arm(
         xml=urdf_text(still),

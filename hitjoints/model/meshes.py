@@ -6,13 +6,13 @@ is looked at here first: what is not a number is refused, and a flat mesh gets a
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from xml.etree import ElementTree
 
 import numpy as np
+
+from hitjoints.model.packages import packages
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -35,9 +35,7 @@ class MeshError(Exception):
 def find_mesh(name: str, folder: str, package_dirs: Sequence[str] = ()) -> Path:
     """Return the file that a description's mesh name stands for.
 
-    `package://NAME/rest` is looked for in `package_dirs`, then in the folders above the
-    description (one called NAME, one whose package.xml says so, or one that holds NAME), then
-    in ROS_PACKAGE_PATH and AMENT_PREFIX_PATH.
+    `package://NAME/rest` is looked for in all of `packages`.
 
     Args:
         name: as written in the description.
@@ -54,43 +52,13 @@ def find_mesh(name: str, folder: str, package_dirs: Sequence[str] = ()) -> Path:
             return path
         raise MeshError(f"mesh {name} not found: there is no file {path}")
     package, _, rest = name.removeprefix(scheme).partition("/")
-    for root in _packages(package, folder, package_dirs):
+    for root in packages(package, folder, package_dirs):
         if _is_file(root / rest):
             return root / rest
     raise MeshError(
         f"mesh {name} not found in a folder above the description, "
         "--package-dir, ROS_PACKAGE_PATH or AMENT_PREFIX_PATH"
     )
-
-
-def _packages(package: str, folder: str, package_dirs: Sequence[str]) -> Iterator[Path]:
-    """Yield the folders that may be a package, the likeliest first."""
-    for given in map(Path, package_dirs):
-        yield given / package
-        if _is_package(given.resolve(), package):
-            yield given
-    here = Path(folder).absolute()
-    true = here.resolve()  # where a link to the description leads
-    for above in dict.fromkeys((here, *here.parents, true, *true.parents)):
-        if _is_package(above, package):
-            yield above
-        yield above / package
-    for entry in filter(None, os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep)):
-        yield Path(entry, package)
-        if _is_package(Path(entry), package):
-            yield Path(entry)
-    for prefix in filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)):
-        yield Path(prefix, "share", package)
-
-
-def _is_package(folder: Path, package: str) -> bool:
-    """Tell whether a folder is a package, by its name or by what its package.xml says."""
-    if folder.name == package:
-        return True
-    try:
-        return ElementTree.parse(folder / "package.xml").findtext("name", "").strip() == package
-    except (OSError, ValueError, ElementTree.ParseError):
-        return False
 
 
 def _is_file(path: Path) -> bool:

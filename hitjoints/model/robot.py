@@ -11,12 +11,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.errors import InputError, ModelError
+from hitjoints.model.turns import nearest_turn, search_range
 from hitjoints.vectors import all_finite, real
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from numpy.typing import ArrayLike, NDArray
+
+COINCIDE = 1e-3  # m; origins that are nearer than this to each other are one
 
 
 @dataclass(frozen=True)
@@ -123,6 +126,11 @@ class Robot:
         """Number of joints."""
         return int(self.model.nv)
 
+    @cached_property
+    def has_mass(self) -> bool:
+        """Whether any moving link weighs anything; without, only kinematics are known."""
+        return any(body.mass > 0 for body in list(self.model.inertias)[1:])
+
     @property
     def joint_names(self) -> list[str]:
         """Names of the joints, base to tip."""
@@ -140,11 +148,19 @@ class Robot:
 
     @cached_property
     def finite_limits(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Position limits, (n,) rad each, one turn from -pi to pi where there are none."""
-        return (
-            _frozen(np.where(np.isfinite(self.lower), self.lower, -np.pi)),
-            _frozen(np.where(np.isfinite(self.upper), self.upper, np.pi)),
-        )
+        """Position limits, (n,) rad each; one turn around home where they are far or missing."""
+        low, high = search_range(self.lower, self.upper, self.home, self.turning)
+        return _frozen(low), _frozen(high)
+
+    @cached_property
+    def turning(self) -> NDArray[np.bool_]:
+        """Which joints turn, (n,); the others slide."""
+        kinds = [joint.shortname() for joint in list(self.model.joints)[1:]]
+        return np.array([not kind.startswith("JointModelP") for kind in kinds])
+
+    def nearest_turn(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return q, (n,) or (N, n) rad, with every angle the turn of 2 pi nearest to home."""
+        return nearest_turn(q, self.lower, self.upper, self.home, self.turning)
 
     @cached_property
     def velocity_lower(self) -> NDArray[np.float64]:
@@ -267,6 +283,18 @@ class Robot:
         if not contacts or len(set(contacts)) < len(contacts):
             raise InputError("joint", [c.joint for c in contacts], "at least one, each once")
         return contacts
+
+    def beyond(self, contact: Contact) -> Contact:
+        """Return the point that the away condition compares a contact's joint with (Eq. 14).
+
+        The next joint's origin, chi_{k+1}; where it coincides with that of joint k in every
+        configuration, the next that does not; the flange after the last joint.
+        """
+        for joint in range(contact.joint + 1, self.n + 1):
+            ahead = float(np.linalg.norm(self.model.jointPlacements[joint].translation))
+            if ahead > COINCIDE or not self.turning[joint - 1]:
+                return self._origins[joint]
+        return self.flange
 
     def configuration(self, q: ArrayLike, argument: str = "q") -> NDArray[np.float64]:
         """Return `q` as one (n,) or many (N, n) finite configurations.

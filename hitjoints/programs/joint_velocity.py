@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from hitjoints.errors import InputError
+from hitjoints.impact.flux import flux as flux_at
+from hitjoints.impact.flux import speed_for
 from hitjoints.programs.problem import Program, Residuals
-from hitjoints.programs.proxqp import solve
+from hitjoints.programs.solver import solve
 from hitjoints.programs.warm import ROWS
 from hitjoints.vectors import points, real, unit
 
@@ -224,7 +226,7 @@ def solve_joint_velocity(
         jacobian, velocity, direction, inertia, mass, flux, lower, upper, weights, rho
     )
     found = solve(program)
-    reached = inertia / (inertia + mass) * float(program.A[0] @ found.x)
+    reached = flux_at(1.0 / inertia, mass, float(program.A[0] @ found.x))
     return JointVelocity(found.x, reached, saturated, found.residuals)
 
 
@@ -262,7 +264,7 @@ def _flux_program(
         if not (math.isfinite(value) and value > 0):
             raise InputError(name, value, "a finite number above zero")
     pull = h @ J
-    wanted, reach = (1.0 + mass / inertia) * flux, reachable_speed(pull, low, high)
+    wanted, reach = speed_for(1.0 / inertia, mass, flux), reachable_speed(pull, low, high)
     saturated = wanted > reach
     terms = flux_terms(J, f, pull, WITHIN_REACH * reach if saturated else wanted, W, rho)
     return Program(terms.c, low, high, H=terms.H, A=terms.A, b=terms.b), saturated

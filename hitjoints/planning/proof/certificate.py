@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.kernels import Chain, Interval
+from hitjoints.kernels.formulas.hit_formulas import HitFormulas
 from hitjoints.kernels.formulas.links import TracedArm, dot, minus
 from hitjoints.kernels.formulas.mass_matrix import (
     Factor,
@@ -22,7 +23,6 @@ from hitjoints.kernels.formulas.mass_matrix import (
     mobility_gradient,
     twice_kinetic_energy,
 )
-from hitjoints.kernels.formulas.outputs import HitFormulas
 from hitjoints.kernels.tape.interval_backend import IntervalProgram
 from hitjoints.kernels.tape.trace import Scalar, Tracer
 from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN, LEAST_MOBILITY
