@@ -38,7 +38,7 @@ def judge(swing: Swing, size: Array, margin: float) -> dict[str, Any]:
     """
     robot, _hit = swing.robot, swing.hit
     count = int(np.floor(swing.motion.duration / STEP))
-    q = swing.motion.at(STEP * np.arange(count + 1)).q
+    q = swing.motion.at(np.asarray(STEP * np.arange(count + 1.0))).q
     wrong: list[str] = []
     if ((q < robot.lower) | (q > robot.upper)).any():
         wrong.append("position")
@@ -147,7 +147,8 @@ class _Shapes:
         self._take(pairs)
         farthest: dict[tuple[int, int], float] = {}
         rng = np.random.default_rng(0)
-        for q in rng.uniform(*robot.finite_limits, size=(300, robot.n)):
+        low, high = robot.finite_limits
+        for q in rng.uniform(low, high, (300, robot.n)):
             now: dict[tuple[int, int], float] = {}
             for (i, j), gap in zip(pairs, self.own(q), strict=True):
                 key = (self.links[i], self.links[j])

@@ -120,7 +120,7 @@ def _npz(trajectory: Trajectory, path: Path) -> None:
         time=trajectory.time,
         joint_names=np.array(trajectory.names),
         notes=np.array(json.dumps(said)),
-        **trajectory.columns(),
+        **trajectory.columns(),  # type: ignore[arg-type]  # no array is called allow_pickle
     )
 
 

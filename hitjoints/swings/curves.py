@@ -161,12 +161,12 @@ class Stroke:
     @property
     def start(self) -> Array:
         """Where the wind-up begins, (n,) rad."""
-        return self.at(np.zeros(1)).q[0]
+        return np.asarray(self.at(np.zeros(1)).q[0])
 
     @property
     def end(self) -> Array:
         """Where the arm comes to rest, (n,) rad."""
-        return self.at(np.array([self.duration])).q[0]
+        return np.asarray(self.at(np.array([self.duration])).q[0])
 
     def at(self, times: Array) -> Joints:
         """Return the joints at times (N,) s."""
@@ -174,14 +174,13 @@ class Stroke:
         T = self.wind_up.time
         up, down = self.wind_up.up(t + T), self.stop.down(t - self.coast)
         before, after = t < 0, t > self.coast
+        none = np.zeros_like(t)
+        steady = Progress(t, none + 1.0, none, none)
+        up = up._replace(way=up.way - T / 2)
+        down = down._replace(way=down.way + self.coast)
         s, s1, s2, s3 = (
             np.where(before, a, np.where(after, b, c))
-            for a, b, c in zip(
-                up._replace(way=up.way - T / 2),
-                down._replace(way=down.way + self.coast),
-                (t, 1.0, 0.0, 0.0),
-                strict=True,
-            )
+            for a, b, c in zip(up, down, steady, strict=True)
         )
         waiting = (t + T < 0) | (t > self.coast + self.stop.time)
         s1, s2, s3 = (np.where(waiting, 0.0, value) for value in (s1, s2, s3))

@@ -11,7 +11,7 @@ from hitjoints.dynamics.kinematics import WORLD_ALIGNED
 from hitjoints.errors import HitjointsError
 from hitjoints.programs.hitting_speed import solve_hitting_speed
 from hitjoints.programs.problem import Program
-from hitjoints.programs.proxqp import solve
+from hitjoints.programs.solver import solve
 from hitjoints.tolerances import rank_floor
 
 if TYPE_CHECKING:

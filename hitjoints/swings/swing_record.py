@@ -64,7 +64,9 @@ class Swing:
     @cached_property
     def times(self) -> Array:
         """(N,) s, whole multiples of dt from 0."""
-        return self.dt * np.arange(math.ceil(self.motion.duration / self.dt - 1e-9) + 1)
+        return np.asarray(
+            self.dt * np.arange(math.ceil(self.motion.duration / self.dt - 1e-9) + 1.0)
+        )
 
     @cached_property
     def joints(self) -> Joints:
@@ -89,17 +91,17 @@ class Swing:
     @property
     def q0(self) -> Array:
         """Where it starts, (n,) rad."""
-        return self.joints.q[0]
+        return np.asarray(self.joints.q[0])
 
     @property
     def q_hit(self) -> Array:
         """Where it strikes, (n,) rad."""
-        return self.joints.q[self.impact_sample]
+        return np.asarray(self.joints.q[self.impact_sample])
 
     @property
     def qd_hit(self) -> Array:
         """How it strikes, (n,) rad/s."""
-        return self.joints.qd[self.impact_sample]
+        return np.asarray(self.joints.qd[self.impact_sample])
 
     @cached_property
     def inertia(self) -> float:

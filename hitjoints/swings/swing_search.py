@@ -178,13 +178,11 @@ class SwingSearch:
             return None
         strike = Strike(samples.q[row], qd, J, speed)
         for stroke, reason in self.search.strokes(strike, box):
-            if not reason:
-                whole = self._whole(stroke, box)
-                if not isinstance(whole, str):
-                    return whole
-                reason = whole
-            self.reasons[reason] += 1
-            if reason.startswith("way there"):
+            whole = reason or self._whole(stroke, box)
+            if not isinstance(whole, str):
+                return whole
+            self.reasons[whole] += 1
+            if whole.startswith("way there"):
                 break
         return None
 
