@@ -67,13 +67,28 @@ def load_robot(
         ModelWarning: an inertia is physically impossible or out of proportion; the text says what
             that does to the directional inertia.
     """
-    description = describe(source, package_dirs, xacro_args)
-    arm = read_arm(description, tip, base, lock)
-    robot = build_robot(description, arm)
-    for issue in check_arm(arm, robot):
+    _, arm, robot = read_robot(source, tip, base, lock, package_dirs, xacro_args)
+    for issue in check_arm(arm, robot, doubts=False):
         if issue.at_load:
             warnings.warn(f"{robot.name}: {issue}", ModelWarning, stacklevel=2)
     return robot
+
+
+def read_robot(
+    source: str | Path,
+    tip: str | None = None,
+    base: str | None = None,
+    lock: Lock = None,
+    package_dirs: Sequence[str | Path] = (),
+    xacro_args: Mapping[str, str] | None = None,
+) -> tuple[Description, Arm, Robot]:
+    """Load an arm without a word on what is doubtful, with what it was made of.
+
+    Arguments and errors as `load_robot`.
+    """
+    description = describe(source, package_dirs, xacro_args)
+    arm = read_arm(description, tip, base, lock)
+    return description, arm, build_robot(description, arm)
 
 
 def read_arm(
