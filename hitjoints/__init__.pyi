@@ -90,4 +90,7 @@ from .quantities import (
 )
 from .rollouts.follow import rollout as rollout
 from .show.viewer import view as view
+from .swings.drive_limits import DriveLimits as DriveLimits
+from .swings.make_swing import swing as swing
+from .swings.swing_record import Swing as Swing
 from .version import __version__ as __version__
