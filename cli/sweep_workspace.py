@@ -91,9 +91,9 @@ def sweep_workspace(
     with _progress() as progress:
         swept = hj.sweep_workspace(
             arm,
-            spaced(x),
-            spaced(y),
-            spaced(z),
+            spaced(x, "x"),
+            spaced(y, "y"),
+            spaced(z, "z"),
             [numbers(text) for text in directions or [DIRECTION]],
             mass,
             joints=[hj.Contact(k, contact_point) for k in joints or arm.hitting_joints],

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.dynamics.kinematics import jacobian
-from hitjoints.evidence.physics.engine import engine
+from hitjoints.evidence.physics.engine import compiled, engine
 from hitjoints.evidence.physics.engine_arm import arm_spec, link_name, quaternion
 from hitjoints.impact.restitution import contact_spring
 
@@ -96,7 +96,7 @@ def build_scene(robot: Robot, impact: ImpactState, setting: Setting) -> tuple[An
         add_table(spec, centre, setting.size, setting.friction)
     if setting.servo_gain > 0:
         _add_servos(spec, robot, setting.servo_gain)
-    model = spec.compile()
+    model = compiled(spec)
     data = mujoco.MjData(model)
     data.qpos[: robot.n], data.qvel[: robot.n] = impact.q, impact.qd
     return model, data
@@ -113,6 +113,8 @@ def set_options(spec: Any, timestep: float) -> None:
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     option.tolerance, option.iterations = 1e-12, 100
+    # A state that is lost is told, not replaced by the one at the beginning.
+    option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
     option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_DIAGEXACT)
 
 

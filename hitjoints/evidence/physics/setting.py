@@ -14,6 +14,8 @@ SHORTEST_CONTACT, LONGEST_CONTACT = 1e-6, 0.05
 """s; what lasts longer is a push, and what is shorter drowns in rounding."""
 STRONGEST = 1e4
 """N m s/rad, of a servo; with more the engine's step is too long for the lightest links."""
+SMALLEST, LARGEST = 1e-3, 10.0
+"""m, edges of a box that an arm can hit, and the engine can tell from a point and a wall."""
 STEP = 1e-5
 """s, the engine's step at most during the contact, and"""
 STEPS = 200
@@ -51,8 +53,9 @@ class Setting:
 
     def __post_init__(self) -> None:
         check_restitution(self.restitution)
-        if len(self.size) != 3 or not all(0 < edge < math.inf for edge in self.size):
-            raise InputError("size", self.size, "three lengths above 0 m")
+        if len(self.size) != 3 or not all(SMALLEST <= edge <= LARGEST for edge in self.size):
+            expected = f"three lengths from {SMALLEST:g} m to {LARGEST:g} m"
+            raise InputError("size", self.size, expected)
         for name in ("friction", "servo_gain", "contact_friction"):
             value = getattr(self, name)
             if not 0 <= value < math.inf:
