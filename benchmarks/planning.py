@@ -16,9 +16,9 @@ import numpy as np
 import hitjoints as hj
 from benchmarks.contest import Peer, contest
 from benchmarks.harness import Figure, Remark, Row, seconds
-from benchmarks.peers.scipy_plans import SciPyPlanner
 from hitjoints.model.robot import Robot
 from hitjoints.planning.planner import RANKED_BY, plan
+from tests.oracles.scipy_plans import SciPyPlanner
 
 POSITION, DIRECTION, MASS = [0.5, 0.3, 0.5], [0.0, 1.0, 0.0], 2.0
 JOINT, SEEDS = 6, 5

@@ -16,7 +16,7 @@ from hitjoints.kernels import build_kernel
 from hitjoints.programs.hitting_speed import build_hitting_speed
 from hitjoints.programs.joint_velocity import build_joint_velocity
 from hitjoints.programs.problem import Program
-from hitjoints.programs.proxqp import solve
+from hitjoints.programs.solver import solve
 from hitjoints.programs.warm import WarmProgram
 
 if TYPE_CHECKING:

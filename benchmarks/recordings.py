@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.harness import Figure, seconds
-from benchmarks.synthetic_recordings import NAMES, Truth, write_recording
+from tests.oracles.synthetic_recordings import NAMES, Truth, write_recording
 
 FILES = 1000
 DISTINCT = 20  # hits that differ; the others are copies under their own numbers

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 import hitjoints as hj
-from benchmarks.control import feasible_hits
 from benchmarks.harness import Figure, seconds
 from hitjoints.evidence.physics.setting import MODES
 from hitjoints.evidence.physics.simulated_hit import Simulation
+from tests.oracles.random_rollouts import feasible_hits
 
 ROBOTS = ("iiwa14", "iiwa7", "panda")
 HITS = 12  # of `python -m benchmarks`

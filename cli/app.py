@@ -8,7 +8,8 @@ import typer
 
 from hitjoints.version import __version__
 
-from . import inspect, plan, replay, reproduce, robots, rollout, simulate, sweep, view
+from . import inspect, plan, replay, reproduce, robots, rollout, simulate, sweep, swing, view
+from .option_groups import grouped
 
 app = typer.Typer(
     help="Hit objects with different joints of a robot arm: inertia, speed and flux.",
@@ -17,15 +18,17 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.command("inspect")(inspect.inspect)
+app.command("inspect")(grouped(inspect.inspect))
 app.add_typer(sweep.app, name="sweep")
-app.command("plan")(plan.plan)
-app.command("rollout")(rollout.rollout)
-app.command("simulate")(simulate.simulate)
-app.command("replay")(replay.replay)
-app.command("reproduce")(reproduce.reproduce)
-app.command("view")(view.view)
+app.command("plan")(grouped(plan.plan))
+app.command("rollout")(grouped(rollout.rollout))
+app.command("swing")(grouped(swing.swing))
+app.command("simulate")(grouped(simulate.simulate))
+app.command("replay")(grouped(replay.replay))
+app.command("reproduce")(grouped(reproduce.reproduce))
+app.command("view")(grouped(view.view))
 app.add_typer(robots.app, name="robots")
 
 
@@ -36,6 +39,13 @@ def root(
 ) -> None:
     """Hit objects with different joints of a robot arm: inertia, speed and flux."""
     if version:
-        print(f"hitjoints {__version__}")
+        print(f"hitjoints {__version__} ({', '.join(_libraries())})")
     elif context.invoked_subcommand is None:
         print(context.get_help())
+
+
+def _libraries() -> list[str]:
+    """Return the versions of what the numbers depend on."""
+    from importlib.metadata import version
+
+    return [f"{name} {version(name)}" for name in ("pin", "proxsuite", "numpy")]

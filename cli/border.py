@@ -46,7 +46,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     signals.close()
     if signals.taken is not None:
         complain("error", signals.words)
-        code = 128 + signals.taken
+        # Threads that compute are not waited for: what they would write is not wanted any more.
+        os._exit(128 + signals.taken)
     sys.exit(code)
 
 

@@ -2,55 +2,46 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from .complaints import complain
-from .options import (
-    DIRECTION,
-    MASS,
-    ORIGIN,
-    ROBOT,
-    ConfigurationOption,
-    DirectionOption,
-    JointOption,
-    JsonOption,
-    MassOption,
-    OffsetOption,
-    RobotOption,
-    check_mass,
-    numbers,
-    triple,
-)
+from .hit_options import HitOptions
+from .impact_options import ImpactOptions, impact_rows
+from .option_groups import without
+from .options import ConfigurationOption, JsonOption, numbers
 from .render import print_json, print_table
+from .robot_options import RobotOptions
 
 if TYPE_CHECKING:
     from hitjoints.model.robot import Contact, Robot
 
 
 def inspect(
-    robot: RobotOption = ROBOT,
-    joint: JointOption = None,
-    offset: OffsetOption = ORIGIN,
+    robot: RobotOptions,
+    hit: Annotated[HitOptions, without("position", "flux")],
+    impact: ImpactOptions,
     q: ConfigurationOption = None,
-    direction: DirectionOption = DIRECTION,
-    mass: MassOption = MASS,
     as_json: JsonOption = False,
 ) -> None:
-    """Show position, inertia, gradient, speed and flux at one configuration."""
-    from hitjoints.errors import InfeasibleError
-    from hitjoints.loading.load import load_robot
-    from hitjoints.model.robot import Contact
+    """Show position, inertia, gradient, speed and flux at one configuration.
 
-    check_mass(mass)
-    arm = load_robot(robot)
-    chosen = arm.usual_joint if joint is None else joint
-    contact = arm.contact(Contact(chosen, triple(offset, "offset")))
+    With --impact, what the arm shows in a hit at its greatest speed, by models of its drives.
+    """
+    from hitjoints.errors import InfeasibleError
+
+    impact.check()
+    asked = hit.read()
+    arm = robot.load()
+    contact = asked.contact(arm)
     configuration = arm.within_limits(arm.home if q is None else numbers(q))
     try:
-        result = _quantities(arm, configuration, contact, numbers(direction), mass)
+        result = _quantities(arm, configuration, contact, asked.direction, asked.mass)
         reason = None
+        if impact.impact is not None:
+            h, speed = result["direction"], result["speed"]
+            result["impact"] = impact.of(arm, configuration, contact, h, asked.mass, speed)
     except InfeasibleError as error:
         result, reason = error.data, error.reason
     if as_json:
@@ -63,7 +54,7 @@ def inspect(
 
 
 def _quantities(
-    robot: Robot, q: Any, contact: Contact, direction: list[float], mass: float
+    robot: Robot, q: Any, contact: Contact, direction: tuple[float, ...], mass: float
 ) -> dict[str, Any]:
     """Compute what is shown.
 
@@ -122,6 +113,7 @@ def _print(robot: Robot, contact: Contact, result: dict[str, Any]) -> None:
         ("straight speed", result["straight_speed"], "m/s"),
         (f"flux, {result['mass']:g} kg object", result["flux"], "m/s"),
         ("straight flux", result["straight_flux"], "m/s"),
+        *impact_rows(result.get("impact", {})),
     ]
     title = (
         f"{robot.title}: hit with joint {contact.joint}"

@@ -9,11 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-ROBOT = "iiwa14"
-OBJECT = "0.5,0.3,0.5"
-DIRECTION = "0,1,0"
-MASS = 2.0
-ORIGIN = "0,0,0"
+MOST = 2**63 - 1  # what files can hold
 
 
 def numbers(text: str) -> list[float]:
@@ -47,18 +43,6 @@ def spaced(text: str, argument: str) -> Any:
     if not math.isfinite(start) or not math.isfinite(stop):
         raise typer.BadParameter(f"{text!r} is not a range of finite numbers")
     return np.linspace(start, stop, whole(max(0, count), argument, 0, MOST_COORDINATES))
-
-
-def check_mass(mass: float) -> None:
-    """Refuse a mass that no object has.
-
-    Raises:
-        InputError: not above zero, or not finite.
-    """
-    from hitjoints.errors import InputError
-
-    if not (mass > 0 and math.isfinite(mass)):
-        raise InputError("mass", mass, "an object weighs more than 0 kg")
 
 
 def triple(text: str, argument: str) -> tuple[float, float, float]:
@@ -101,28 +85,8 @@ def check_outputs(
     check_apart(asked, (name for name in inputs if name is not None))
 
 
-RobotOption = Annotated[
-    str, typer.Option("--robot", metavar="NAME|FILE", help="Built-in name, or a URDF or TOML file.")
-]
-DirectionOption = Annotated[
-    str, typer.Option("--direction", metavar="X,Y,Z", help="Hitting direction, robot base frame.")
-]
-MassOption = Annotated[float, typer.Option("--mass", metavar="KG", help="Mass of the object.")]
-ObjectOption = Annotated[
-    str, typer.Option("--object", metavar="X,Y,Z", help="Position of the object (m).")
-]
-OffsetOption = Annotated[
-    str, typer.Option("--offset", metavar="X,Y,Z", help="Contact point in the joint's frame (m).")
-]
-JointOption = Annotated[
-    int | None, typer.Option("--joint", help="Hitting joint, from 1. (default: last but one)")
-]
 ConfigurationOption = Annotated[
     str | None, typer.Option("--q", metavar="Q1,Q2,...", help="Joint positions. (default: home)")
-]
-JointsOption = Annotated[
-    list[int] | None,
-    typer.Option("--joint", help="Hitting joint; repeat for several. [default: the robot's]"),
 ]
 TorquesOption = Annotated[
     bool,
@@ -137,5 +101,5 @@ PlotOption = Annotated[
     Path | None, typer.Option("--plot", metavar="FILE", help="Draw the figure: .png, .pdf or .svg.")
 ]
 SeedOption = Annotated[
-    int, typer.Option("--seed", min=0, max=2**63 - 1, help="Seed of everything random.")
+    int, typer.Option("--seed", min=0, max=MOST, help="Seed of everything random.")
 ]

@@ -3,125 +3,152 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
 from .complaints import complain
+from .hit_options import HitOptions
+from .option_groups import OptionGroup
 from .options import (
-    DIRECTION,
-    MASS,
-    OBJECT,
-    ROBOT,
-    DirectionOption,
-    JointsOption,
     JsonOption,
-    MassOption,
-    ObjectOption,
     PlotOption,
-    RobotOption,
     SeedOption,
     TorquesOption,
-    check_mass,
     check_outputs,
-    numbers,
     triple,
 )
+from .output_options import tell_written
 from .render import print_json, print_table
+from .robot_options import RobotOptions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from hitjoints.planning.candidates import Candidate
     from hitjoints.planning.planner import Plan
+    from hitjoints.planning.room.surroundings import Surroundings
     from hitjoints.planning.start import Start
     from hitjoints.planning.torque_cost import TorqueCost
 
 
-def plan(
-    robot: RobotOption = ROBOT,
-    position: ObjectOption = OBJECT,
-    direction: DirectionOption = DIRECTION,
-    mass: MassOption = MASS,
-    joints: JointsOption = None,
+@dataclass(frozen=True)
+class AimOptions(OptionGroup):
+    """What is best, and how it is searched for."""
+
+    panel: ClassVar[str] = "The aim"
+
     objective: Annotated[
         str,
         typer.Option("--objective", help="inertia, flux, straight-flux, or rebound with --flux."),
-    ] = "inertia",
-    flux: Annotated[
-        float | None,
-        typer.Option("--flux", metavar="M/S", help="Flux that must be reached; rebound needs it."),
-    ] = None,
+    ] = "inertia"
     away: Annotated[
         bool, typer.Option("--away/--no-away", help="Demand the away condition of Eq. 14.")
-    ] = True,
-    object_size: Annotated[
-        str | None, typer.Option(metavar="X,Y,Z", help="Edges of the object, a box (m).")
-    ] = None,
-    table_height: Annotated[
-        float | None, typer.Option(metavar="M", help="Height of the table's plane (m).")
-    ] = None,
-    margin: Annotated[
-        float | None,
-        typer.Option(metavar="M", help="Distance to keep from object, table and itself (m)."),
-    ] = None,
+    ] = True
     certificate: Annotated[
         bool,
         typer.Option(
             "--certificate/--no-certificate", help="Bound the inertia by branch and bound."
         ),
-    ] = True,
-    torque_limits: TorquesOption = False,
+    ] = True
+    torque_limits: TorquesOption = False
+    seed: SeedOption = 0
+
+
+@dataclass(frozen=True)
+class RoomOptions(OptionGroup):
+    """What stands around the hit."""
+
+    panel: ClassVar[str] = "The surroundings"
+
+    object_size: Annotated[
+        str | None,
+        typer.Option("--object-size", metavar="X,Y,Z", help="Edges of the object, a box (m)."),
+    ] = None
+    table_height: Annotated[
+        float | None,
+        typer.Option("--table-height", metavar="M", help="Height of the table's plane (m)."),
+    ] = None
+    margin: Annotated[
+        float | None,
+        typer.Option(
+            "--margin", metavar="M", help="Distance to keep from object, table and itself (m)."
+        ),
+    ] = None
+
+    def read(self) -> Surroundings:
+        """Read the values.
+
+        Raises:
+            InputError: one cannot be used.
+        """
+        from hitjoints.planning.room.surroundings import Surroundings
+
+        size = None if self.object_size is None else triple(self.object_size, "object_size")
+        return Surroundings(size, self.table_height, self.margin)
+
+
+@dataclass(frozen=True)
+class PlanOutputs(OptionGroup):
+    """The plan, a figure, JSON instead of a table."""
+
+    panel: ClassVar[str] = "Output"
+
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE", help="Write the plan: .json.")
-    ] = None,
-    plot: PlotOption = None,
-    seed: SeedOption = 0,
-    as_json: JsonOption = False,
+    ] = None
+    plot: PlotOption = None
+    as_json: JsonOption = False
+
+
+def plan(
+    robot: RobotOptions,
+    hit: HitOptions,
+    aim: AimOptions,
+    room: RoomOptions,
+    output: PlanOutputs,
 ) -> None:
     """Choose the joint to hit with and its configuration, with evidence (Eq. 8, 14)."""
-    from hitjoints.datasets.files import write_whole
-    from hitjoints.loading.load import load_robot
     from hitjoints.planning.planner import plan as make_plan
-    from hitjoints.planning.room.surroundings import Surroundings
 
-    check_mass(mass)
-    check_outputs(plot, (out, "out", (".json",)), inputs=[robot])
-    arm = load_robot(robot)
-    size = None if object_size is None else triple(object_size, "object_size")
-    around = Surroundings(size, table_height, margin)
+    asked = hit.read()
+    check_outputs(output.plot, (output.out, "out", (".json",)), inputs=[robot.robot])
+    arm = robot.load()
+    around = room.read()
     planned = make_plan(
         arm,
-        numbers(position),
-        numbers(direction),
-        mass,
-        joints=joints,
-        objective=objective,
-        flux=flux,
-        away=away,
-        seed=seed,
-        certificate=certificate,
+        asked.position,
+        asked.direction,
+        asked.mass,
+        joints=asked.contacts(arm),
+        objective=aim.objective,
+        flux=asked.flux,
+        away=aim.away,
+        seed=aim.seed,
+        certificate=aim.certificate,
         surroundings=around,
         start=True,
-        torque_limits=torque_limits,
+        torque_limits=aim.torque_limits,
     )
-    result = planned.as_dict() | {"robot": robot}
-    if out is not None:
+    result = planned.as_dict() | {"robot": robot.robot}
+    plot = None if planned.best is None else output.plot
+    if output.out is not None:
+        from hitjoints.datasets.files import write_whole
+
         text = json.dumps(result, allow_nan=False, indent=1) + "\n"
-        write_whole(out, "out", lambda path: path.write_text(text, encoding="utf-8"))
-    if plot is not None and planned.best is not None:
+        write_whole(output.out, "out", lambda path: path.write_text(text, encoding="utf-8"))
+    if plot is not None:
         from hitjoints.show.figures import save_figure
         from hitjoints.show.plan_figure import draw_plan
 
         save_figure(draw_plan(arm, planned, around.object_size), plot)
-    if as_json:
+    if output.as_json:
         print_json(result)
     else:
         _print(arm.title, planned)
-    for path in (out, plot):
-        if path is not None and path.exists():
-            complain("written", str(path))
+    tell_written(output.out, plot)
     if planned.best is None:
         reasons = "; ".join(one.reason for one in planned.candidates)
         complain("no", f"no joint can do it: {reasons}")
@@ -150,8 +177,9 @@ def _print(title: str, planned: Plan) -> None:
 
 
 def _print_room(best: Candidate) -> None:
-    if best.clearance is None:
-        print("clearance: not known, the robot has no collision shapes")
+    assert best.clearance is not None, "every candidate of a plan has one"
+    if reason := best.clearance.get("not_known"):
+        print(f"clearance not known: {reason}")
         return
     near = [
         f"{best.clearance[name]:.3f} m from {name} ({' - '.join(pair)})"
@@ -189,6 +217,8 @@ def _share(one: TorqueCost) -> str | None:
 
 
 def _row(one: Candidate, best: bool) -> list[object]:
+    from hitjoints.planning.words import at_most
+
     name = f"joint {one.joint}"
     if not one.feasible:
         return [name, "", "", "", "", "", "", f"no: {one.reason.partition(':')[0]}"]
@@ -198,4 +228,4 @@ def _row(one: Candidate, best: bool) -> list[object]:
     sure = f"{proof}{evidence['agreeing']}/{len(evidence['restarts'])}"
     verdict = f"best: {one.reason}" if best else one.reason
     numbers = (one.inertia, one.speed, one.straight_speed, one.flux, one.straight_flux)
-    return [name, *(f"{value:.3g}" for value in numbers), sure, verdict]
+    return [name, *(at_most(float(value or 0.0)) for value in numbers), sure, verdict]

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .complaints import complain
-from .options import JsonOption, OutOption, PlotOption, check_mass, check_outputs, numbers, triple
+from .hit_options import check_mass
+from .options import JsonOption, OutOption, PlotOption, check_outputs, numbers, triple
 from .render import print_json, print_table
 
 if TYPE_CHECKING:

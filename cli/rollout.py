@@ -2,111 +2,78 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import typer
 
-from .asked import (
-    FLUX,
-    ContactOffsetOption,
-    DirectionAsked,
-    FluxOption,
-    MassAsked,
-    ObjectAsked,
-    PlanOption,
-    Q0Option,
-    StartOption,
-    read_asked,
-)
 from .complaints import complain
-from .options import (
-    ORIGIN,
-    ROBOT,
-    JointOption,
-    JsonOption,
-    OutOption,
-    PlotOption,
-    RobotOption,
-    SeedOption,
-    TorquesOption,
-    check_outputs,
-)
+from .hit_options import HitOptions
+from .option_groups import OptionGroup
+from .output_options import OutputOptions
 from .render import print_json, print_table
+from .robot_options import RobotOptions
+from .start_options import StartOptions
 
 if TYPE_CHECKING:
     from hitjoints.rollouts.record import Rollout
 
 
-def rollout(
-    robot: RobotOption = ROBOT,
-    position: ObjectAsked = None,
-    direction: DirectionAsked = None,
-    mass: MassAsked = None,
-    joint: JointOption = None,
-    contact_offset: ContactOffsetOption = ORIGIN,
-    flux: FluxOption = FLUX,
+@dataclass(frozen=True)
+class LawOptions(OptionGroup):
+    """How the arm moves."""
+
+    panel: ClassVar[str] = "The motion"
+
     reference: Annotated[
         str, typer.Option("--reference", help="Desired inertia: constant, or optimised (Eq. 13).")
-    ] = "optimised",
+    ] = "optimised"
     law: Annotated[
         str, typer.Option("--law", help="qp (limits as constraints), or paper (Eq. 7, scaled).")
-    ] = "qp",
+    ] = "qp"
     weighting: Annotated[
         str, typer.Option("--weighting", help="W of Eq. 12: identity, or gradient.")
-    ] = "identity",
+    ] = "identity"
     speed_profile: Annotated[
         str, typer.Option("--speed-profile", help="Field beside the line: constant, or paper.")
-    ] = "constant",
+    ] = "constant"
     dt: Annotated[
         float, typer.Option("--dt", metavar="S", help="Control step, 2e-5 to 0.05 s.")
-    ] = 0.002,
-    plan: PlanOption = None,
-    q0: Q0Option = None,
-    start: StartOption = None,
-    torque_limits: TorquesOption = False,
-    out: OutOption = None,
-    plot: PlotOption = None,
-    seed: SeedOption = 0,
-    as_json: JsonOption = False,
+    ] = 0.002
+
+
+def rollout(
+    robot: RobotOptions,
+    hit: HitOptions,
+    start: StartOptions,
+    motion: LawOptions,
+    output: OutputOptions,
 ) -> None:
     """Roll a hit out: field, desired inertia, limits, impact (Eq. 5-7, 12-13).
 
     Without --plan, --q0 or --start it plans the configuration, the start and the run-up first.
     """
-    from hitjoints.datasets.files import DATASET_ENDINGS
     from hitjoints.rollouts.follow import rollout as roll
 
-    check_outputs(plot, (out, "out", DATASET_ENDINGS), inputs=[robot, plan])
-    arm, hit, starts = read_asked(
-        robot, position, direction, mass, joint, contact_offset, flux, plan, q0, start
-    )
-    result = roll(
-        arm,
-        hit,
-        **starts,
-        dt=dt,
-        reference=reference,  # type: ignore[arg-type]  # unknown names are refused there
-        law=law,  # type: ignore[arg-type]
-        weighting=weighting,  # type: ignore[arg-type]
-        speed_profile=speed_profile,  # type: ignore[arg-type]
-        torque_limits=torque_limits,
-        seed=seed,
-    )
-    _write(result, out, plot)
-    if as_json:
-        asked = {
-            "robot": robot,
-            "joint": arm.contact(hit.chosen_contact).joint,
-            "flux": flux,
-            "torque_limits": torque_limits,
+    output.check(robot.robot, start.plan)
+    planned = start.planned(robot.robot)
+    asked = hit.read(planned)
+    arm = robot.load()
+    wanted = asked.flux_hit(arm)
+    result = roll(arm, wanted, **start.arguments(planned), **asdict(motion))
+    _write(result, output.out, output.plot)
+    if output.as_json:
+        said = {
+            "robot": robot.robot,
+            "joint": arm.contact(wanted.chosen_contact).joint,
+            "flux": wanted.flux,
+            "torque_limits": start.torque_limits,
         }
-        print_json(asked | result.as_dict())
+        print_json(said | result.as_dict())
     else:
         _print(result)
-    for path in (out, plot):
-        if path is not None:
-            complain("written", str(path))
+    output.tell()
     if result.reason:
         complain("no", result.reason)
         raise typer.Exit(3)

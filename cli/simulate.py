@@ -2,38 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
-from .asked import (
-    FLUX,
-    ContactOffsetOption,
-    DirectionAsked,
-    FluxOption,
-    MassAsked,
-    ObjectAsked,
-    PlanOption,
-    Q0Option,
-    StartOption,
-    read_asked,
-)
-from .complaints import complain
-from .options import (
-    ORIGIN,
-    ROBOT,
-    JointOption,
-    JsonOption,
-    OutOption,
-    PlotOption,
-    RobotOption,
-    SeedOption,
-    TorquesOption,
-    check_outputs,
-    triple,
-)
+from .hit_options import HitOptions
+from .impact_options import RotorOption, StiffnessOption, of_joints
+from .option_groups import OptionGroup
+from .options import check_outputs, triple
+from .output_options import OutputOptions
 from .render import print_json, print_table
+from .robot_options import RobotOptions
+from .start_options import StartOptions
 
 if TYPE_CHECKING:
     from hitjoints.evidence.physics.simulated_hit import Cause, Simulation
@@ -44,109 +26,122 @@ SHOWN = {
     "contact friction": "{:g}",
     "off-centre": "{:g} m",
     "table": "box stands on it",
+    "elastic joints": "{:g} N m/rad",
 }
 """How the value of each cause is printed."""
 
 
-def simulate(
-    robot: RobotOption = ROBOT,
-    position: ObjectAsked = None,
-    direction: DirectionAsked = None,
-    mass: MassAsked = None,
-    joint: JointOption = None,
-    contact_offset: ContactOffsetOption = ORIGIN,
-    flux: FluxOption = FLUX,
+@dataclass(frozen=True)
+class SettingOptions(OptionGroup):
+    """What the box is, and what is not as the model has it."""
+
+    panel: ClassVar[str] = "The engine"
+
     restitution: Annotated[
         float, typer.Option("--restitution", help="Of arm and object, from 0 to 1.")
-    ] = 0.5,
+    ] = 0.5
     realistic: Annotated[
         bool,
         typer.Option(
             "--realistic/--ideal",
             help="A servo, friction, off centre, a long contact; or none of that.",
         ),
-    ] = False,
+    ] = False
     size: Annotated[
         str,
         typer.Option("--size", metavar="X,Y,Z", help="Box along the direction, sideways, up (m)."),
-    ] = "0.1,0.1,0.1",
-    friction: Annotated[float, typer.Option("--friction", help="Between box and table.")] = 0.3,
+    ] = "0.1,0.1,0.1"
+    friction: Annotated[float, typer.Option("--friction", help="Between box and table.")] = 0.3
     contact_time: Annotated[
         float | None,
         typer.Option("--contact-time", metavar="S", help="(default: 0.0001; realistic: 0.01)"),
-    ] = None,
+    ] = None
     servo_gain: Annotated[
         float | None,
         typer.Option(
             "--servo-gain", metavar="N M S/RAD", help="Of the joints. (default: 0; realistic: 50)"
         ),
-    ] = None,
+    ] = None
     contact_friction: Annotated[
         float | None,
         typer.Option(
             "--contact-friction", help="Between arm and box. (default: 0; realistic: 0.3)"
         ),
-    ] = None,
+    ] = None
     off_centre: Annotated[
         float | None,
         typer.Option(
             "--off-centre", metavar="M", help="Of the contact. (default: 0; realistic: 0.02)"
         ),
-    ] = None,
-    plan: PlanOption = None,
-    q0: Q0Option = None,
-    start: StartOption = None,
-    torque_limits: TorquesOption = False,
-    out: OutOption = None,
-    plot: PlotOption = None,
+    ] = None
+
+    elastic: Annotated[
+        bool,
+        typer.Option("--elastic", help="Motors on springs; then a contact lasts 0.01 s."),
+    ] = False
+    stiffness: StiffnessOption = None
+    rotor_inertia: RotorOption = None
+
+    def arguments(self) -> dict[str, Any]:
+        """Return the arguments of `simulate` for its setting.
+
+        Raises:
+            InputError: a value cannot be used.
+        """
+        given = asdict(self)
+        realistic = given.pop("realistic")
+        mode = "realistic" if realistic else "ideal"
+        joints = {name: of_joints(given[name]) for name in ("stiffness", "rotor_inertia")}
+        return given | joints | {"mode": mode, "size": triple(self.size, "size")}
+
+
+@dataclass(frozen=True)
+class MovingOutputs(OutputOptions):
+    """As for a motion, and a moving picture."""
+
     animate: Annotated[
         Path | None, typer.Option("--animate", metavar="FILE", help="Draw the hit moving: .gif.")
-    ] = None,
-    seed: SeedOption = 0,
-    as_json: JsonOption = False,
+    ] = None
+
+    def check(self, *inputs: str | Path | None) -> None:
+        """Refuse paths before any work is done for them; `inputs` are read, not written.
+
+        Raises:
+            InputError: one cannot be written.
+        """
+        from hitjoints.show.animation import ANIMATION_ENDINGS
+
+        super().check(*inputs)
+        check_outputs(None, (self.animate, "animate", ANIMATION_ENDINGS), inputs=inputs)
+
+
+def simulate(
+    robot: RobotOptions,
+    hit: HitOptions,
+    start: StartOptions,
+    how: SettingOptions,
+    output: MovingOutputs,
 ) -> None:
     """Simulate a planned hit in a physics engine (MuJoCo) and compare it with the prediction.
 
     The arm follows a rollout up to the impact and hits a box, which slides on a table until it
     stops. An ideal hit must agree; a realistic one shows how far the model is off, and why.
     """
-    from hitjoints.datasets.files import DATASET_ENDINGS
     from hitjoints.evidence.physics.simulation import simulate as run
-    from hitjoints.show.animation import ANIMATION_ENDINGS
 
-    check_outputs(
-        plot,
-        (out, "out", DATASET_ENDINGS),
-        (animate, "animate", ANIMATION_ENDINGS),
-        inputs=[robot, plan],
-    )
-    arm, hit, starts = read_asked(
-        robot, position, direction, mass, joint, contact_offset, flux, plan, q0, start
-    )
-    result = run(
-        arm,
-        hit,
-        restitution=restitution,
-        mode="realistic" if realistic else "ideal",
-        size=triple(size, "size"),
-        friction=friction,
-        contact_time=contact_time,
-        servo_gain=servo_gain,
-        contact_friction=contact_friction,
-        off_centre=off_centre,
-        **starts,
-        torque_limits=torque_limits,
-        seed=seed,
-    )
-    _write(result, out, plot, animate)
-    if as_json:
-        asked = {"robot": robot, "joint": result.impact.contact.joint, "flux": flux}
-        print_json(asked | result.as_dict())
+    output.check(robot.robot, start.plan)
+    planned = start.planned(robot.robot)
+    asked = hit.read(planned)
+    arm = robot.load()
+    wanted = asked.flux_hit(arm)
+    result = run(arm, wanted, **how.arguments(), **start.arguments(planned))
+    _write(result, output.out, output.plot, output.animate)
+    if output.as_json:
+        said = {"robot": robot.robot, "joint": result.impact.contact.joint, "flux": wanted.flux}
+        print_json(said | result.as_dict())
     else:
         _print(result)
-    for path in (out, plot, animate):
-        if path is not None:
-            complain("written", str(path))
+    output.tell(output.animate)
 
 
 def _write(result: Simulation, out: Path | None, plot: Path | None, animate: Path | None) -> None:
@@ -186,6 +181,21 @@ def _print(result: Simulation) -> None:
         [(*row[:3], _percent(row[3]), row[4]) for row in rows],
         caption="simulated inertia: by the balance of momentum",
     )
+    if result.elastic is not None and result.elastic_errors is not None:
+        off, elastic = result.elastic_errors, result.elastic
+        robot_speed = told.speed + found.rebound
+        print_table(
+            "Elastic joints, in closed form",
+            ("", "predicted", "simulated", "off by", "unit"),
+            [
+                ("object speed", elastic.object_speed, found.object_speed,
+                 _percent(off["object_speed"]), "m/s"),
+                ("robot speed", elastic.robot_speed, robot_speed,
+                 _percent(off["robot_speed"]) + " of the hit's", "m/s"),
+                ("inertia shown", elastic.shown, found.inertia, "-", "kg"),
+                ("inertia in Eq. 3", elastic.equivalent, None, "-", "kg"),
+            ],
+        )  # fmt: skip
     if result.causes:
         print_table(
             "How far off each cause brings them, alone, and what is left without it",

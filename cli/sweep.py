@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import typer
 
+from .option_groups import grouped
 from .sweep_joint import sweep_joint
 from .sweep_workspace import sweep_workspace
 
 app = typer.Typer(help="Map inertia, speed and flux.", no_args_is_help=True)
-app.command("joint")(sweep_joint)
-app.command("workspace")(sweep_workspace)
+app.command("joint")(grouped(sweep_joint))
+app.command("workspace")(grouped(sweep_workspace))

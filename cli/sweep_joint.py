@@ -6,77 +6,58 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .complaints import complain
-from .options import (
-    DIRECTION,
-    MASS,
-    OBJECT,
-    ROBOT,
-    DirectionOption,
-    JointsOption,
-    JsonOption,
-    MassOption,
-    ObjectOption,
-    OutOption,
-    PlotOption,
-    RobotOption,
-    SeedOption,
-    check_mass,
-    check_outputs,
-    numbers,
-)
+from .hit_options import HitOptions
+from .option_groups import without
+from .options import SeedOption, numbers
+from .output_options import OutputOptions
 from .render import print_json, print_table
+from .robot_options import RobotOptions
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
 
 def sweep_joint(
-    robot: RobotOption = ROBOT,
-    position: ObjectOption = OBJECT,
-    direction: DirectionOption = DIRECTION,
-    mass: MassOption = MASS,
-    joints: JointsOption = None,
+    robot: RobotOptions,
+    hit: Annotated[HitOptions, without("flux")],
+    output: OutputOptions,
     count: Annotated[int, typer.Option("--count", help="Angles per joint.")] = 181,
     q: Annotated[
         str | None,
         typer.Option("--q", metavar="Q1,Q2,...", help="Common null-space configuration (rad)."),
     ] = None,
-    out: OutOption = None,
-    plot: PlotOption = None,
     seed: SeedOption = 0,
-    as_json: JsonOption = False,
 ) -> None:
     """Turn each hitting joint at the object: inertia, speed and flux by its angle (Fig. 2)."""
     import hitjoints as hj
-    from hitjoints.datasets.files import DATASET_ENDINGS, write_dataset
 
-    check_mass(mass)
-    check_outputs(plot, (out, "out", DATASET_ENDINGS), inputs=[robot])
+    asked = hit.read()
+    output.check(robot.robot)
+    arm = robot.load()
     swept = hj.sweep_joint(
-        hj.load_robot(robot),
-        numbers(position),
-        numbers(direction),
-        mass,
-        joints=joints,
+        arm,
+        asked.position,
+        asked.direction,
+        asked.mass,
+        joints=asked.contacts(arm),
         count=count,
         start=None if q is None else numbers(q),
         seed=seed,
     )
-    if out is not None:
-        write_dataset(swept, out)
-    if plot is not None:
+    if output.out is not None:
+        from hitjoints.datasets.files import write_dataset
+
+        write_dataset(swept, output.out)
+    if output.plot is not None:
         from hitjoints.show.figures import save_figure
         from hitjoints.show.joint_sweep_figure import draw_joint_sweep
 
-        save_figure(draw_joint_sweep(swept), plot)
-    if as_json:
+        save_figure(draw_joint_sweep(swept), output.plot)
+    if output.as_json:
         print_json(_as_json(swept))
     else:
         _print(swept)
-    for path in (out, plot):
-        if path is not None:
-            complain("written", str(path))
+    output.tell()
 
 
 def _as_json(swept: Dataset) -> dict[str, Any]:

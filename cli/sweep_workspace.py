@@ -5,125 +5,149 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
 from .complaints import complain
-from .options import (
-    DIRECTION,
-    MASS,
-    ORIGIN,
-    ROBOT,
-    JointsOption,
-    JsonOption,
-    MassOption,
-    OffsetOption,
-    PlotOption,
-    RobotOption,
-    SeedOption,
-    check_mass,
-    check_outputs,
-    numbers,
-    spaced,
-    triple,
-)
+from .hit_options import HitOptions
+from .option_groups import OptionGroup, without
+from .options import JsonOption, PlotOption, SeedOption, check_outputs, spaced
+from .output_options import tell_written
 from .render import print_json, print_table
+from .robot_options import RobotOptions
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
     from hitjoints.maps.workspace import Progress
+    from hitjoints.model.robot import Robot
 
 RANGE = "START:STOP:COUNT"
 
 
-def sweep_workspace(
-    robot: RobotOption = ROBOT,
-    x: Annotated[str, typer.Option(metavar=RANGE, help="Object positions along x (m).")] = (
+@dataclass(frozen=True)
+class GridOptions(OptionGroup):
+    """Where objects are, and how many configurations are tried at each place."""
+
+    panel: ClassVar[str] = "The grid"
+
+    x: Annotated[str, typer.Option("--x", metavar=RANGE, help="Object positions along x (m).")] = (
         "-0.8:0.8:33"
-    ),
-    y: Annotated[str, typer.Option(metavar=RANGE, help="Along y.")] = "-0.8:0.8:33",
-    z: Annotated[str, typer.Option(metavar=RANGE, help="Along z.")] = "0.5",
-    directions: Annotated[
-        list[str] | None,
-        typer.Option("--direction", metavar="X,Y,Z", help="Hitting direction; may be repeated."),
-    ] = None,
-    mass: MassOption = MASS,
-    joints: JointsOption = None,
-    offset: OffsetOption = ORIGIN,
-    samples: Annotated[int, typer.Option(help="Configurations per position and joint.")] = 100,
+    )
+    y: Annotated[str, typer.Option("--y", metavar=RANGE, help="Along y.")] = "-0.8:0.8:33"
+    z: Annotated[str, typer.Option("--z", metavar=RANGE, help="Along z.")] = "0.5"
+    samples: Annotated[
+        int, typer.Option("--samples", help="Configurations per position and joint.")
+    ] = 100
+    seed: SeedOption = 0
+
+
+@dataclass(frozen=True)
+class WorkOptions(OptionGroup):
+    """What it is computed on."""
+
+    panel: ClassVar[str] = "The work"
+
+    scheduler: Annotated[
+        str | None,
+        typer.Option("--scheduler", metavar="ADDRESS", help="Dask scheduler to compute on."),
+    ] = None
+    threads: Annotated[
+        int | None,
+        typer.Option("--threads", help="Threads of this process. (default: all processors)"),
+    ] = None
+
+
+@dataclass(frozen=True)
+class MapOutputs(OptionGroup):
+    """The store, and copies of it."""
+
+    panel: ClassVar[str] = "Output"
+
     out: Annotated[
         Path | None,
         typer.Option(
-            metavar="MAP.zarr", help="Zarr store; the same command continues a run that was killed."
+            "--out",
+            metavar="MAP.zarr",
+            help="Zarr store; the same command continues a run that was killed.",
         ),
-    ] = None,
+    ] = None
     netcdf: Annotated[
         Path | None, typer.Option("--nc", metavar="FILE", help="Write a NetCDF file too.")
-    ] = None,
-    csv: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a CSV file too.")] = None,
-    plot: PlotOption = None,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler to compute on.")
-    ] = None,
-    threads: Annotated[
-        int | None, typer.Option(help="Threads of this process. [default: all processors]")
-    ] = None,
-    seed: SeedOption = 0,
-    as_json: JsonOption = False,
+    ] = None
+    csv: Annotated[
+        Path | None, typer.Option("--csv", metavar="FILE", help="Write a CSV file too.")
+    ] = None
+    plot: PlotOption = None
+    as_json: JsonOption = False
+
+    def check(self, *inputs: str | Path | None) -> None:
+        """Refuse paths before any work is done for them; `inputs` are read, not written.
+
+        Raises:
+            InputError: one cannot be written.
+        """
+        stores = (self.out, "out", (".zarr",)), (self.netcdf, "nc", (".nc",))
+        check_outputs(self.plot, *stores, (self.csv, "csv", (".csv",)), inputs=inputs)
+
+
+def sweep_workspace(
+    robot: RobotOptions,
+    hit: Annotated[HitOptions, without("position", "flux")],
+    grid: GridOptions,
+    work: WorkOptions,
+    output: MapOutputs,
 ) -> None:
     """Map inertia, speed and flux over a grid of object positions."""
     import hitjoints as hj
-    from hitjoints.datasets.files import write_dataset
 
-    check_mass(mass)
-    check_outputs(
-        plot,
-        (out, "out", (".zarr",)),
-        (netcdf, "nc", (".nc",)),
-        (csv, "csv", (".csv",)),
-        inputs=[robot],
-    )
-    arm = hj.load_robot(robot)
-    contact_point = triple(offset, "offset")
+    asked = hit.read()
+    output.check(robot.robot)
+    arm = robot.load()
     with _progress() as progress:
         swept = hj.sweep_workspace(
             arm,
-            spaced(x, "x"),
-            spaced(y, "y"),
-            spaced(z, "z"),
-            [numbers(text) for text in directions or [DIRECTION]],
-            mass,
-            joints=[hj.Contact(k, contact_point) for k in joints or arm.hitting_joints],
-            samples=samples,
-            seed=seed,
-            out=out,
-            scheduler=scheduler,
-            threads=threads,
+            spaced(grid.x, "x"),
+            spaced(grid.y, "y"),
+            spaced(grid.z, "z"),
+            asked.directions,
+            asked.mass,
+            joints=asked.contacts(arm),
+            samples=grid.samples,
+            seed=grid.seed,
+            out=output.out,
+            scheduler=work.scheduler,
+            threads=work.threads,
             progress=progress,
             command=" ".join(["hitjoints", *sys.argv[1:]]),
         )
-    for path, argument in ((netcdf, "nc"), (csv, "csv")):
-        if path is not None:
-            write_dataset(swept, path, argument)
-    if plot is not None:
-        from hitjoints.show.figures import save_figure
-        from hitjoints.show.workspace_figure import draw_workspace
-
-        save_figure(draw_workspace(arm, swept), plot)
     rows = _summary(swept)
-    if as_json:
-        print_json({**swept.attrs, "out": None if out is None else str(out), "summary": rows})
+    _write(arm, swept, output)
+    if output.as_json:
+        out = None if output.out is None else str(output.out)
+        print_json({**swept.attrs, "out": out, "summary": rows})
     else:
         _print(swept, rows)
-    for path in (out, netcdf, csv, plot):
-        if path is not None:
-            complain("written", str(path))
+    tell_written(output.out, output.netcdf, output.csv, output.plot)
     if not any(row["reachable"] for row in rows):
         complain("no", "unreachable: no joint can be placed at any position of the grid")
         raise typer.Exit(3)
+
+
+def _write(arm: Robot, swept: Dataset, output: MapOutputs) -> None:
+    from hitjoints.datasets.files import write_dataset
+
+    for path, argument in ((output.netcdf, "nc"), (output.csv, "csv")):
+        if path is not None:
+            write_dataset(swept, path, argument)
+    if output.plot is not None:
+        from hitjoints.show.figures import save_figure
+        from hitjoints.show.workspace_figure import draw_workspace
+
+        save_figure(draw_workspace(arm, swept), output.plot)
 
 
 @contextmanager

@@ -2,90 +2,77 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import typer
 
-from .asked import FLUX, FluxOption
 from .complaints import complain
-from .options import (
-    DIRECTION,
-    MASS,
-    OBJECT,
-    ORIGIN,
-    ROBOT,
-    ConfigurationOption,
-    DirectionOption,
-    JointOption,
-    JsonOption,
-    MassOption,
-    ObjectOption,
-    OffsetOption,
-    RobotOption,
-    check_mass,
-    check_outputs,
-    numbers,
-    triple,
-)
+from .hit_options import FLUX, HitOptions
+from .option_groups import OptionGroup
+from .options import ConfigurationOption, JsonOption, check_outputs, numbers
 from .render import print_json
+from .robot_options import RobotOptions
 
 
-def view(
-    robot: RobotOption = ROBOT,
-    joint: JointOption = None,
-    offset: OffsetOption = ORIGIN,
-    q: ConfigurationOption = None,
-    position: ObjectOption = OBJECT,
-    direction: DirectionOption = DIRECTION,
-    mass: MassOption = MASS,
-    flux: FluxOption = FLUX,
-    host: Annotated[str, typer.Option("--host", help="Address to serve on.")] = "127.0.0.1",
+@dataclass(frozen=True)
+class ServeOptions(OptionGroup):
+    """Where it is served, or written to."""
+
+    panel: ClassVar[str] = "Output"
+
+    host: Annotated[str, typer.Option("--host", help="Address to serve on.")] = "127.0.0.1"
     port: Annotated[
         int, typer.Option("--port", help="Port to serve on; the next free one if it is taken.")
-    ] = 8080,
+    ] = 8080
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="FILE", help="Write a page, .html, instead of serving."),
-    ] = None,
-    as_json: JsonOption = False,
+    ] = None
+    as_json: JsonOption = False
+
+
+def view(
+    robot: RobotOptions,
+    hit: HitOptions,
+    output: ServeOptions,
+    q: ConfigurationOption = None,
 ) -> None:
     """Show the arm in the browser: sliders, inertia at the contact, plans and hits."""
     from hitjoints.datasets.files import write_whole
-    from hitjoints.loading.load import load_robot
-    from hitjoints.model.robot import Contact
     from hitjoints.show.viewer import view as show
 
-    check_mass(mass)
-    check_outputs(None, (out, "out", (".html",)), inputs=[robot])
-    arm = load_robot(robot)
-    chosen = arm.usual_joint if joint is None else joint
+    asked, out = hit.read(), output.out
+    check_outputs(None, (out, "out", (".html",)), inputs=[robot.robot])
+    arm = robot.load()
+    contact = asked.contact(arm)
     viewer = show(
         arm,
         None if q is None else numbers(q),
-        Contact(chosen, triple(offset, "offset")),
-        position=triple(position, "object"),
-        direction=triple(direction, "direction"),
-        mass=mass,
-        flux=flux,
-        host=host,
-        port=port,
+        contact,
+        position=asked.position,
+        direction=asked.direction,
+        mass=asked.mass,
+        flux=FLUX if asked.flux is None else asked.flux,
+        host=output.host,
+        port=output.port,
     )
+    shown = {"robot": robot.robot, "url": viewer.url, "joint": contact.joint, "q": viewer.q}
+
+    def say(url: str) -> None:
+        if output.as_json:
+            print_json(shown)
+        complain("serving", f"{url} until Ctrl-C")
+
     try:
-        shown = {"robot": robot, "url": viewer.url, "joint": chosen, "q": viewer.q}
-
-        def say(url: str) -> None:
-            if as_json:
-                print_json(shown)
-            complain("serving", f"{url} until Ctrl-C")
-
         if out is None:
             viewer.serve(say)
         else:
-            if as_json:
-                print_json(shown)
             page = viewer.as_html()
             write_whole(out, "out", lambda path: path.write_text(page, encoding="utf-8"))
+            if output.as_json:
+                print_json(shown)
             complain("written", str(out))
     finally:
         viewer.stop()

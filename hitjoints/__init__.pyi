@@ -51,14 +51,12 @@ from .impact.collision import (
 from .impact.elastic import elastic_impact as elastic_impact
 from .impact.inertia_models import impact_inertia as impact_inertia
 from .impact.inertia_models import impact_inertia_gradient as impact_inertia_gradient
+from .loading.catalogue import robot_names as robot_names
 from .loading.load import (
     ModelWarning as ModelWarning,
 )
 from .loading.load import (
     load_robot as load_robot,
-)
-from .loading.load import (
-    robot_names as robot_names,
 )
 from .maps.joint_sweep import sweep_joint as sweep_joint
 from .maps.workspace import open_map as open_map
@@ -90,4 +88,7 @@ from .quantities import (
 )
 from .rollouts.follow import rollout as rollout
 from .show.viewer import view as view
+from .swings.drive_limits import DriveLimits as DriveLimits
+from .swings.make_swing import swing as swing
+from .swings.swing_record import Swing as Swing
 from .version import __version__ as __version__

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from difflib import get_close_matches
 from typing import Any
 
 SHOWN = 200  # characters of a value in a message
+MOST_CHOICES = 60
 
 
 def shown(value: object, text_of: Callable[[object], str] = str, longest: int = SHOWN) -> str:
@@ -50,11 +52,34 @@ class InputError(HitjointsError, ValueError):
 
 
 class UnknownNameError(InputError):
-    """A name is not among the known ones; the message lists those."""
+    """A name is not among the known ones; the message lists those, and what is meant perhaps.
 
-    def __init__(self, argument: str, value: object, choices: Iterable[str]) -> None:
+    Args:
+        argument: name of the argument, as the caller wrote it.
+        value: what was given.
+        choices: the known names.
+        more: further names, which are told only when they are near.
+    """
+
+    def __init__(
+        self, argument: str, value: object, choices: Iterable[str], more: Iterable[str] = ()
+    ) -> None:
         self.choices = sorted(choices)
-        super().__init__(argument, repr(value), f"choose one of {', '.join(self.choices)}")
+        near = _near(str(value), [*self.choices, *more])
+        meant = f"did you mean {' or '.join(near)}? Else " if near else ""
+        listed = self.choices[:MOST_CHOICES]
+        if len(listed) < len(self.choices):
+            listed.append(f"{len(self.choices) - len(listed)} more")
+        super().__init__(argument, repr(value), f"{meant}choose one of {', '.join(listed)}")
+
+
+def _near(name: str, known: list[str]) -> list[str]:
+    """Return up to three names that a person may have meant."""
+    word = name.lower()
+    if len(word) < 2:
+        return []
+    within = [other for other in known if word in other.lower()]
+    return list(dict.fromkeys([*within, *get_close_matches(name, known, cutoff=0.75)]))[:3]
 
 
 class ModelError(HitjointsError):

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.errors import InputError, UnknownNameError
+from hitjoints.impact.flux import flux as flux_at
+from hitjoints.impact.flux import speed_for
 from hitjoints.model.robot import Contact
 from hitjoints.vectors import points, positive_mass, unit
 
@@ -173,11 +175,11 @@ class Hit:
 
     def speed(self, inertia: float) -> float:
         """Return the speed (m/s) that produces the flux at an inertia (kg): Eq. 4 solved for v."""
-        return (1.0 + self.mass / inertia) * self.desired_flux
+        return float(speed_for(1.0 / inertia, self.mass, self.desired_flux))
 
     def flux_of(self, inertia: float, speed: float) -> float:
         """Return the flux (m/s) of an inertia (kg) and a speed (m/s), Eq. 4."""
-        return inertia / (inertia + self.mass) * speed
+        return float(flux_at(1.0 / inertia, self.mass, speed))
 
     def with_contact(self, contact: Contact | int) -> Hit:
         """Return the same hit with what hits."""

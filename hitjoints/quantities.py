@@ -5,6 +5,7 @@ One configuration (n,) goes to Pinocchio, rows of them (N, n) to the batch kerne
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from threading import Lock
 from typing import TYPE_CHECKING, Any
@@ -128,8 +129,9 @@ def place_joint(
         threads: worker threads; all available processors when not given.
 
     Returns:
-        `.q` (N, n) rad within the limits, `.solved` (N,) to 1e-9 m, `.error` (N,) m. A row that is
-        not solved holds the closest configuration found.
+        `.q` (N, n) rad within the limits, without a start the turns of 2 pi nearest to home;
+        `.solved` (N,) to 1e-9 m; `.error` (N,) m. A row that is not solved holds the closest
+        configuration found.
 
     Raises:
         InputError: no such joint, wrong shapes, or a number that is not finite.
@@ -142,7 +144,7 @@ def place_joint(
             raise InputError("start", f"{len(start)} rows", f"one, or {len(targets)} as positions")
     from hitjoints.kernels import place
 
-    return place(
+    placed = place(
         robot.model,
         (contact.joint, contact.offset),
         targets,
@@ -152,6 +154,7 @@ def place_joint(
         threads=threads,
         chain=_chain_of(robot),
     )
+    return placed if start is not None else replace(placed, q=robot.nearest_turn(placed.q))
 
 
 @lru_cache(maxsize=16)

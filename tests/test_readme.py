@@ -9,6 +9,7 @@ import hitjoints as hj
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
+STUB = (ROOT / "hitjoints" / "__init__.pyi").read_text()
 
 
 def test_the_example_runs(capsys):
@@ -33,7 +34,14 @@ def test_the_two_commands_come_first():
     ]
 
 
-def test_every_public_name_exists():
-    assert sorted(hj.__all__) == hj.__all__ or set(hj.__all__) == set(dir(hj))
+def test_every_public_name_exists_and_has_its_place_in_the_reference():
+    listed = re.findall(r"^from \.[\w.]* import (.+?)$", STUB, re.M)
+    assert len(listed) > 20
+    assert hj.__all__ == sorted(set(hj.__all__))
     for name in hj.__all__:
-        assert getattr(hj, name) is not None
+        assert getattr(hj, name).__doc__ or name == "__version__", name
+    pages = "".join(page.read_text() for page in (ROOT / "docs").glob("*.md"))
+    documented = set(
+        re.findall(r"auto(?:function|class|exception):: hitjoints\.(\w+)$", pages, re.M)
+    )
+    assert set(hj.__all__) - documented - {"__version__"} == set()

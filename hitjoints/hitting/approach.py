@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hitjoints.dynamics.inertia import inertia_along
-from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InfeasibleError
 from hitjoints.hitting.controller import MOST_STEPS, Controller, Step
 
@@ -82,14 +80,14 @@ class Approach:
     def run(self) -> None:
         """Move until there is an impact or a reason why there is none."""
         control, still = self._control, 0
-        robot, hit = control.robot, control.hit
+        hit = control.hit
         patience = max(1, math.ceil(PATIENCE / control.dt))
-        distance = control.ahead(position(robot, self.q, control.contact))
+        distance = control.ahead(control.point.position(self.q))
         steps = (SLOWNESS * distance / hit.desired_flux + GRACE) / control.dt
         for _ in range(math.ceil(min(steps, MOST_STEPS))):
             if not self._advance():
                 return
-            here = position(robot, self.q, control.contact)
+            here = control.point.position(self.q)
             step = self.rows[-1][1]
             if control.ahead(here) <= 0:
                 self._strike()
@@ -123,12 +121,12 @@ class Approach:
         control, (q, step) = self._control, self.rows[-1]
         robot, hit, h = control.robot, control.hit, control.direction
         late = crossing(
-            lambda t: control.ahead(position(robot, q + t * step.qd, control.contact)), control.dt
+            lambda t: control.ahead(control.point.position(q + t * step.qd)), control.dt
         )
         struck = np.clip(q + late * step.qd, robot.lower, robot.upper)
-        here = position(robot, struck, control.contact)
-        velocity = jacobian(robot, struck, control.contact) @ step.qd
-        inertia = inertia_along(robot, struck, control.contact, h)
+        here = control.point.position(struck)
+        velocity = control.point.jacobian(struck) @ step.qd
+        inertia = control.point.inertia(struck, h)
         along = float(h @ velocity)
         across = float(np.linalg.norm(velocity - along * h))
         control.step(struck)

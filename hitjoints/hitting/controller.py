@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
-from hitjoints.dynamics.observation import State, observe
+from hitjoints.dynamics.contact_point import ContactPoint, State
 from hitjoints.errors import InputError, UnknownNameError
 from hitjoints.hit import Hit
 from hitjoints.hitting.braking import Brake, Braked
@@ -136,7 +136,8 @@ class Controller:
         if torque_limits and law != "qp":
             raise InputError("law", law, "torque limits are rows of the law 'qp'")
         self.robot, self.hit, self.dt = robot, hit, float(dt)
-        self.contact = robot.contact(hit.chosen_contact)
+        self.point = ContactPoint(robot, hit.chosen_contact)
+        self.contact = self.point.contact
         self.position, self.direction = hit.position, hit.direction
         self.gains = Gains() if gains is None else gains
         if posture is None:
@@ -146,10 +147,10 @@ class Controller:
         self._law = law_named(law, robot.n)
         self.torques = TorqueLimits(robot, self.dt) if torque_limits else None
         self._brake = None if self.torques is None else Brake(robot, self.torques)
-        self._desired = DesiredInertia(robot, self.contact, self.direction, self.dt, weighting)
+        self._desired = DesiredInertia(self.point, self.direction, self.dt, weighting)
         self._constant: float | None = None
         if reference == "constant":
-            seen = observe(robot, self.posture, self.contact, self.direction).inertia
+            seen = self.point.observe(self.posture, self.direction).inertia
             self._constant = seen if inertia is None else float(inertia)
         self._lower, self._upper = robot.velocity_lower, robot.velocity_upper
         self._low, self._high, self._shape = robot.lower, robot.upper, (robot.n,)
@@ -173,7 +174,7 @@ class Controller:
             InfeasibleError: the contact cannot move along the direction there.
         """
         q = self.robot.within_limits(q)
-        state = observe(self.robot, q, self.contact, self.direction)
+        state = self.point.observe(q, self.direction)
         reach = reachable_speed(self.direction @ state.J, self._lower, self._upper)
         speed = min(self.hit.speed(state.inertia), reach)
         if speed * self.dt > SIGMA:
@@ -212,7 +213,7 @@ class Controller:
         q = real(q, "q", f"{self._shape[0]} joint positions in rad")
         if q.shape != self._shape or not ((q >= self._low) & (q <= self._high)).all():
             q = self._touching(q)
-        state = observe(self.robot, q, self.contact, self.direction)
+        state = self.point.observe(q, self.direction)
         lower, upper = self.bounds(q)
         now = self._previous if qd is None else self._velocity(qd)
         impulses = None

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.errors import InfeasibleError, UnknownNameError
 from hitjoints.programs.joint_velocity import (
     RHO,
@@ -22,8 +21,7 @@ from hitjoints.programs.warm import WarmProgram
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.dynamics.observation import State
-    from hitjoints.model.robot import Contact, Robot
+    from hitjoints.dynamics.contact_point import ContactPoint, State
 
     Array = NDArray[np.float64]
 
@@ -36,7 +34,7 @@ class DesiredInertia:
     """The inertia one step ahead if only the flux and the field mattered (Eq. 13).
 
     Args:
-        robot, contact: the arm and what it hits with.
+        point: what the arm hits with.
         direction: (3,), unit.
         dt: s, the step.
         weighting: W of Eq. 12: "identity", or "gradient" for diag(|grad lambda| / max) + floor.
@@ -46,14 +44,14 @@ class DesiredInertia:
     """
 
     def __init__(
-        self, robot: Robot, contact: Contact, direction: Array, dt: float, weighting: Weighting
+        self, point: ContactPoint, direction: Array, dt: float, weighting: Weighting
     ) -> None:
         if weighting not in ("identity", "gradient"):
             raise UnknownNameError("weighting", weighting, ("identity", "gradient"))
-        self._robot, self._contact, self._direction, self._dt = robot, contact, direction, dt
-        self._by_gradient, self._ones = weighting == "gradient", np.ones(robot.n)
-        self._program = WarmProgram(robot.n, 1)
-        self._limited = WarmProgram(2 * robot.n + 1, 1 + robot.n)  # qd, t, p
+        self._point, self._direction, self._dt = point, direction, dt
+        self._by_gradient, self._ones = weighting == "gradient", np.ones(point.robot.n)
+        self._program = WarmProgram(point.robot.n, 1)
+        self._limited = WarmProgram(2 * point.robot.n + 1, 1 + point.robot.n)  # qd, t, p
 
     def __call__(
         self,
@@ -93,6 +91,6 @@ class DesiredInertia:
             return state.inertia
         following = q + self._dt * x[: q.size]
         try:
-            return inertia_along(self._robot, following, self._contact, self._direction)
+            return self._point.inertia(following, self._direction)
         except InfeasibleError:
             return state.inertia

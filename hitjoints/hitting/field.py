@@ -126,6 +126,8 @@ class HittingField:
         ahead = float(h @ (self.target - here))
         if ahead < 0:
             raise InputError("start", here.tolist(), f"it lies {-ahead:.3g} m beyond the target")
+        if ahead == 0:
+            return self.lateral_error(here)
         fastest = max(-float(np.linalg.eigvalsh(self.A)[0]), self.speed / self.sigma)
         dt = 1.0 / (STEPS_PER_SCALE * fastest)
         for _ in range(MOST_STEPS):

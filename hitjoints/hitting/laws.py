@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol
 import numpy as np
 
 from hitjoints.errors import UnknownNameError
-from hitjoints.programs.joint_velocity import PROGRESS, following_terms, least_norm
+from hitjoints.programs.following import PROGRESS, following, following_terms
+from hitjoints.programs.joint_velocity import least_norm
 from hitjoints.programs.torque_rows import Impulses, with_impulses, with_slack
 from hitjoints.programs.warm import ROWS, WarmProgram
 
@@ -76,7 +77,6 @@ class QpLaw:
     def __init__(self, n: int) -> None:
         self._program = WarmProgram(n + 1, 3)
         self._limited = WarmProgram(n + 1 + 3 + n, 3 + n)  # qd, s, e, p
-        self._lower, self._upper = np.zeros(n + 1), np.ones(n + 1)
         self._slack = np.full(3, FASTEST_ASTRAY)
 
     def __call__(
@@ -98,16 +98,17 @@ class QpLaw:
             and (impulses is None or impulses.allow(qd))
         ):
             return Motion(qd, 1.0)
-        self._lower[:-1], self._upper[:-1] = lower, upper
-        terms, n = following_terms(J, f, posture), posture.size
+        n, unit = posture.size, 1.0
         if impulses is None:
-            x = self._program.solve(*terms, self._lower, self._upper)
+            terms, low, high, unit = following(J, f, posture, lower, upper)
+            x = self._program.solve(*terms, low, high)
         else:
+            terms = following_terms(J, f, posture)
             terms = with_impulses(with_slack(terms, 3, ASTRAY), impulses)
-            low = np.concatenate((self._lower, -self._slack, -impulses.limit))
-            high = np.concatenate((self._upper, self._slack, impulses.limit))
+            low = np.concatenate((lower, [0.0], -self._slack, -impulses.limit))
+            high = np.concatenate((upper, [1.0], self._slack, impulses.limit))
             x = self._limited.solve(*terms, low, high)
-        return None if x is None else Motion(x[:n], float(x[n]))
+        return None if x is None else Motion(x[:n], unit * float(x[n]))
 
 
 def paper_law(

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.errors import InputError
+from hitjoints.impact.flux import flux as flux_at
+from hitjoints.impact.flux import speed_for
 from hitjoints.vectors import real
 
 if TYPE_CHECKING:
@@ -38,8 +40,8 @@ def hitting_flux(
     Raises:
         InputError: an argument is out of its range or not a number.
     """
-    ratio = _mass(mass) / _inertia(inertia)
-    return _plain(_relative(speed, object_velocity) / (1.0 + ratio))
+    mobility, checked = 1.0 / _inertia(inertia), _mass(mass)
+    return _plain(flux_at(mobility, checked, _relative(speed, object_velocity)))
 
 
 def object_speed(
@@ -97,8 +99,8 @@ def required_speed(
         m/s. Errors as `hitting_flux`.
     """
     flux = _numbers("flux", flux)
-    ratio = _mass(mass) / _inertia(inertia)
-    return _plain(_numbers("object_velocity", object_velocity) + (1.0 + ratio) * flux)
+    relative = speed_for(1.0 / _inertia(inertia), _mass(mass), flux)
+    return _plain(_numbers("object_velocity", object_velocity) + relative)
 
 
 def _numbers(name: str, values: ArrayLike) -> Any:

@@ -7,10 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
-from hitjoints.errors import InputError, UnknownNameError
+from hitjoints.errors import InputError
 from hitjoints.kernels.formulas.chain import Chain
-from hitjoints.kernels.formulas.outputs import OUTPUT_SHAPES, Attachment, record, record_variation
+from hitjoints.kernels.formulas.hit_formulas import Attachment, record_variation
 from hitjoints.kernels.kernel import Kernel, build_kernel
+from hitjoints.kernels.outputs import record
 from hitjoints.kernels.tape import interval_backend as ia
 from hitjoints.kernels.tape.interval_backend import Array, Interval, IntervalProgram
 from hitjoints.tolerances import MOBILITY_FLOOR
@@ -144,9 +145,6 @@ def build_bounds(
     Raises:
         InputError, ModelError, KernelMismatchError: as `build_kernel`.
     """
-    for name in outputs:
-        if name not in OUTPUT_SHAPES:
-            raise UnknownNameError("outputs", name, OUTPUT_SHAPES)
     kernel = build_kernel(model, contacts, ("mobility", "response"), backend)
     chain = Chain.from_model(model)
     attached = [chain.attach(*contact) for contact in kernel.contacts]

@@ -11,9 +11,9 @@ import pinocchio as pin
 
 from hitjoints.errors import InputError, KernelMismatchError
 from hitjoints.kernels.formulas.chain import Chain, Triple
-from hitjoints.kernels.formulas.outputs import record
 from hitjoints.kernels.ik_starts import random_starts
 from hitjoints.kernels.ik_step import SQUARE_TOLERANCE, Iteration, iteration, record_step
+from hitjoints.kernels.outputs import record
 from hitjoints.kernels.tape.backends import Array, Runnable, choose, evaluate, prepare
 
 TOLERANCE = 1e-9

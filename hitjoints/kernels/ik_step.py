@@ -9,8 +9,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from hitjoints.kernels.formulas.chain import Chain
+from hitjoints.kernels.formulas.hit_formulas import Attachment
 from hitjoints.kernels.formulas.links import TracedArm, cross, dot, minus
-from hitjoints.kernels.formulas.outputs import Attachment
 from hitjoints.kernels.tape.backends import Array, choose, evaluate
 from hitjoints.kernels.tape.numpy_backend import NumpyProgram
 from hitjoints.kernels.tape.trace import (

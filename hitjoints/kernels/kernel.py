@@ -7,13 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
-from hitjoints.errors import InputError, UnknownNameError
+from hitjoints.errors import InputError
 from hitjoints.kernels.formulas.chain import Chain, Triple
-from hitjoints.kernels.formulas.outputs import OUTPUT_SHAPES, record
+from hitjoints.kernels.outputs import MASS, OUTPUTS, known_outputs, record
 from hitjoints.kernels.tape.backends import Array, Runnable, evaluate, prepare
 from hitjoints.kernels.verify import check, samples
-
-NEEDS_MASS = frozenset({"flux", "straight_flux"})
 
 
 class Kernel:
@@ -35,6 +33,7 @@ class Kernel:
     ) -> None:
         self.runnable, self.joints = runnable, joints
         self.contacts, self.outputs = contacts, outputs
+        self._needs_mass = any(MASS in output.needs for output in known_outputs(outputs))
 
     def __call__(
         self,
@@ -71,7 +70,7 @@ class Kernel:
         h = np.asarray(direction, dtype=np.float64)
         if h.shape not in {(3,), (rows, 3)}:
             raise InputError("direction", f"shape {h.shape}", f"(3,) or ({rows}, 3) is expected")
-        if mass is None and NEEDS_MASS.intersection(self.outputs):
+        if mass is None and self._needs_mass:
             raise InputError("mass", None, "the flux needs the object's mass (kg)")
         m = np.atleast_1d(np.asarray(0.0 if mass is None else mass, dtype=np.float64))
         if m.shape not in {(1,), (rows,)}:
@@ -87,7 +86,7 @@ class Kernel:
         results: dict[str, Array] = {}
         start = 0
         for name in outputs:
-            shape = (len(self.contacts), *sizes[OUTPUT_SHAPES[name]])
+            shape = (len(self.contacts), *sizes[OUTPUTS[name].shape])
             stop = start + int(np.prod(shape))
             results[name] = np.moveaxis(values[start:stop].reshape(*shape, -1), -1, 1)
             start = stop
@@ -115,9 +114,7 @@ def build_kernel(
     """
     if not contacts or not outputs:
         raise InputError("contacts" if not contacts else "outputs", "()", "at least one is needed")
-    for name in outputs:
-        if name not in OUTPUT_SHAPES:
-            raise UnknownNameError("outputs", name, OUTPUT_SHAPES)
+    known_outputs(outputs)
     chain = Chain.from_model(model)
     known = tuple((joint, _offset(offset)) for joint, offset in contacts)
     program = record(chain, [chain.attach(*contact) for contact in known], tuple(outputs))

@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hitjoints.errors import ModelError
-from hitjoints.model.robot import Contact, Robot
-from hitjoints.tolerances import MOBILITY_FLOOR
+from hitjoints.loading.tensors import TensorFault, effect_of, link_frame, tensor_fault
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from hitjoints.model.arm import Arm, Link
+    from hitjoints.model.robot import Robot
 
-    from hitjoints.model.urdf import Arm, Link
-
-SAMPLES = 100  # configurations a wrong inertia's effect is measured on
-THICKNESS = 0.1  # of a link, as a share of the arm's reach: joint origins tell only the length
-ROUND_OFF = 1e-9  # relative slack for inertias written with a few digits
+PLACEHOLDERS = 3  # moving links with the same mass and tensor that are no coincidence
+SEVERITIES = ("error", "warning", "note")
 
 
 @dataclass(frozen=True)
@@ -26,133 +24,117 @@ class Issue:
     """One finding.
 
     Attributes:
-        severity: "error" when the inertias computed from the model are wrong, "warning" when they
-            may be, "note" when a feature will be missing.
-        link: link or joint it is about.
+        severity: "error" when the inertias computed from the model are wrong by more than a
+            twentieth, "warning" when they may be or when a quantity will be zero, "note" when a
+            feature will be missing or an error does not matter.
+        link: link or joint it is about; several, separated by commas, if they are judged together.
         problem: what is wrong, with the numbers.
         effect: what that does.
+        at_load: whether it is told at load too.
     """
 
     severity: str
     link: str
     problem: str
     effect: str
+    at_load: bool = False
 
     def __str__(self) -> str:
         return f"{self.link}: {self.problem}; {self.effect}"
 
     def as_dict(self) -> dict[str, str]:
-        """Return the fields by name."""
-        return asdict(self)
+        """Return what is told by name."""
+        return {
+            "severity": self.severity,
+            "link": self.link,
+            "problem": self.problem,
+            "effect": self.effect,
+        }
 
 
-def check_arm(arm: Arm, robot: Robot) -> list[Issue]:
-    """Check link inertias and joint limits; the gravest findings first."""
-    issues = [
-        *_check_links(arm, robot),
-        *_check_mass_matrix(robot),
-        *_check_limits(robot),
-    ]
-    return sorted(issues, key=lambda issue: ("error", "warning", "note").index(issue.severity))
+def check_arm(arm: Arm, robot: Robot, doubts: bool = True) -> list[Issue]:
+    """Check link inertias, joint limits and what is missing; the gravest findings first.
 
-
-def _check_links(arm: Arm, robot: Robot) -> list[Issue]:
-    issues = []
-    reach = sum(link.size for link in arm.links if link.moving)
-    for link in arm.links:
-        if _frame(link, robot).parentJoint == 0:
-            continue  # the base does not move: its inertia plays no part
-        problem, severity = _inertia_problem(link, reach)
-        if problem:
-            effect = _effect(robot, link) if severity == "error" else "it deserves a second look"
-            issues.append(Issue(severity, link.name, problem, effect))
-    return issues
-
-
-def _frame(link: Link, robot: Robot) -> Any:
-    import pinocchio as pin
-
-    # A joint may have the same name as a link.
-    return robot.model.frames[robot.model.getFrameId(link.name, pin.FrameType.BODY)]
-
-
-def _inertia_problem(link: Link, reach: float) -> tuple[str, str]:  # noqa: PLR0911
-    """Return the worst thing wrong with a link's inertia, and how grave it is."""
-    small, middle, large = moments = np.linalg.eigvalsh(link.inertia)
-    slack = ROUND_OFF * abs(moments).max(initial=0.0)
-    shown = f"principal moments {small:.3g}, {middle:.3g}, {large:.3g} kg m^2"
-    if link.mass < 0:
-        return f"negative mass {link.mass:g} kg", "error"
-    if link.mass == 0 and large > slack:
-        return f"zero mass with {shown}", "error"
-    if link.mass == 0:
-        return ("zero mass", "warning") if link.moving else ("", "")
-    if large == 0 and small == 0:
-        return f"zero inertia tensor with a mass of {link.mass:g} kg", "warning"
-    if small < -slack or (link.moving and small <= 0):
-        return f"inertia not positive definite: {shown}", "error"
-    gyration = float(np.sqrt(large / link.mass))
-    if gyration > max(reach, link.size):
-        return (
-            f"radius of gyration {gyration:.3g} m from a mass of {link.mass:g} kg, "
-            f"longer than the whole arm ({reach:.3g} m)",
-            "error",
-        )
-    if small + middle < large * (1 - 1e-6):
-        return f"triangle inequality violated: {shown}, no body has these", "error"
-    size = link.size + THICKNESS * reach
-    if gyration > size:
-        return (
-            f"radius of gyration {gyration:.3g} m is out of proportion to a link "
-            f"of about {size:.2g} m",
-            "warning",
-        )
-    return "", ""
-
-
-def _effect(robot: Robot, link: Link) -> str:
-    """Measure how the link's rotational inertia scales the inertia at the joint that carries it.
-
-    Near the base that joint's origin cannot move: then the flange shows the effect.
+    Args:
+        arm: what the robot was made of.
+        robot: the robot.
+        doubts: judge what is possible but unlikely too, which loading has no time for.
     """
-    import pinocchio as pin
-
-    frame = _frame(link, robot)
-    joint = frame.parentJoint
-    without = pin.Model(robot.model)
-    # Set by parts: the constructor refuses what taking a wrong tensor away may leave.
-    body = pin.Inertia(robot.model.inertias[joint])
-    body.inertia -= frame.placement.rotation @ link.inertia @ frame.placement.rotation.T
-    without.inertias[joint] = body
-    for contact, place in ((Contact(joint), f"joint {joint}"), (robot.flange, "the flange")):
-        ratios = _inertia_ratios(robot, without, contact)
-        if ratios.size:
-            return (
-                f"it multiplies the directional inertia at {place} by {np.median(ratios):.2g} "
-                f"in the median (up to {ratios.max():.2g})"
-            )
-    return "the directional inertia is not defined without it"
+    issues = [
+        *(_check_links(arm, robot, doubts) if robot.has_mass else _no_mass()),
+        *_check_limits(robot),
+        *_check_held(arm),
+        *_check_drives(robot),
+    ]
+    return sorted(issues, key=lambda issue: SEVERITIES.index(issue.severity))
 
 
-def _inertia_ratios(robot: Robot, other: Any, contact: Contact) -> NDArray[np.float64]:
-    from hitjoints.dynamics.inertia import mobility
+def _no_mass() -> list[Issue]:
+    effect = "kinematics and speeds are known, inertias, fluxes and motions are not"
+    return [Issue("error", "every link", "no link has mass", effect, at_load=True)]
 
-    rng = np.random.default_rng(0)
-    low = np.where(np.isfinite(robot.lower), robot.lower, -np.pi)
-    high = np.where(np.isfinite(robot.upper), robot.upper, np.pi)
-    data = other.createData()
-    ratios = []
-    for q in rng.uniform(low, high, (SAMPLES, robot.n)):
-        h = rng.normal(size=3)
-        h /= np.linalg.norm(h)
-        try:
-            given = mobility(robot.model, robot.data, q, contact, h)
-            clean = mobility(other, data, q, contact, h)
-        except ModelError:
-            continue
-        if min(given, clean) >= MOBILITY_FLOOR:
-            ratios.append(clean / given)
-    return np.array(ratios)
+
+def _check_links(arm: Arm, robot: Robot, doubts: bool) -> list[Issue]:
+    reach = sum(link.size for link in arm.links if link.moving)
+    # The base does not move: its inertia plays no part.
+    links = [link for link in arm.links if link_frame(link, robot).parentJoint]
+    faults = [fault for link in links if (fault := tensor_fault(link, reach)) is not None]
+    missing = [
+        Issue("warning", fault.link.name, fault.problem, "it deserves a second look")
+        for fault in faults
+        if fault.possible is None
+    ]
+    wrong = [fault for fault in faults if fault.possible is not None]
+    return [
+        *_judge([fault for fault in wrong if not fault.doubtful], robot, "error"),
+        *_check_mass_matrix(robot),
+        *_judge([fault for fault in wrong if fault.doubtful and doubts], robot, "warning"),
+        *missing,
+        *_check_placeholders(links),
+    ]
+
+
+def _judge(faults: Sequence[TensorFault], robot: Robot, severity: str) -> list[Issue]:
+    """Judge wrong tensors by what they do: each alone, and together those that do little."""
+    issues, small = [], []
+    loud = severity == "error"
+    for fault in faults:
+        effect = effect_of([fault], robot)
+        if effect is None:
+            without = "the directional inertia is not defined without it"
+            issues.append(Issue(severity, fault.link.name, fault.problem, without, loud))
+        elif effect.matters:
+            words = f"it multiplies {effect}"
+            issues.append(Issue(severity, fault.link.name, fault.problem, words, loud))
+        else:
+            small.append((fault, f"it multiplies {effect}: that does not matter"))
+    together = effect_of([fault for fault, _ in small], robot) if len(small) > 1 else None
+    if together is None or not together.matters:
+        return issues + [Issue("note", f.link.name, f.problem, words) for f, words in small]
+    names = ", ".join(fault.link.name for fault, _ in small)
+    kind = "doubtful" if small[0][0].doubtful else "impossible"
+    problem = f"{len(small)} {kind} tensors, the first: {small[0][0].problem}"
+    words = f"together they multiply {together}"
+    return [*issues, Issue(severity, names, problem, words, loud)]
+
+
+def _check_placeholders(links: Sequence[Link]) -> list[Issue]:
+    alike: dict[tuple[float, ...], list[str]] = {}
+    for link in links:
+        if link.moving and link.mass > 0:
+            key = (link.mass, *np.round(np.linalg.eigvalsh(link.inertia), 12))
+            alike.setdefault(key, []).append(link.name)
+    return [
+        Issue(
+            "warning",
+            ", ".join(names),
+            f"{len(names)} links have the same mass {key[0]:g} kg and tensor: placeholders",
+            "every inertia computed from them is a guess",
+            at_load=True,
+        )
+        for key, names in alike.items()
+        if len(names) >= PLACEHOLDERS
+    ]
 
 
 def _check_mass_matrix(robot: Robot) -> list[Issue]:
@@ -165,20 +147,50 @@ def _check_mass_matrix(robot: Robot) -> list[Issue]:
         bad = np.flatnonzero(~(robot.data.D > 0))[-1]
         problem = "it carries no inertia, or a negative one"
         effect = "the mass matrix is not positive definite: no directional inertia is defined"
-        return [Issue("error", robot.joint_names[bad], problem, effect)]
+        return [Issue("error", robot.joint_names[bad], problem, effect, at_load=True)]
     return []
 
 
 def _check_limits(robot: Robot) -> list[Issue]:
     issues = []
-    for i, name in enumerate(robot.joint_names):
-        if robot.velocity_upper[i] == 0:
-            effect = "the joint counts as locked and adds no hitting speed"
-            issues.append(Issue("warning", name, "zero or missing velocity limit", effect))
-        if robot.effort[i] == 0:
-            effect = "torque limits cannot be applied"
-            issues.append(Issue("note", name, "zero or missing effort limit", effect))
-        if robot.lower[i] == robot.upper[i]:
-            effect = "the joint cannot move"
-            issues.append(Issue("warning", name, "equal lower and upper position limits", effect))
+    names = np.array(robot.joint_names)
+    if still := ", ".join(names[robot.velocity_upper == 0]):
+        effect = "a joint without one counts as locked and adds no hitting speed; a TOML may give "
+        effect += "velocity = [...] (rad/s)"
+        issues.append(Issue("warning", still, "zero or missing velocity limit", effect, True))
+    for i in np.flatnonzero(robot.lower == robot.upper):
+        effect = "the joint cannot move"
+        issues.append(Issue("warning", names[i], "equal lower and upper position limits", effect))
+    if weak := ", ".join(names[robot.effort == 0]):
+        effect = "torque limits cannot be applied"
+        issues.append(Issue("note", weak, "zero or missing effort limit", effect))
     return issues
+
+
+def _check_held(arm: Arm) -> list[Issue]:
+    if not arm.held:
+        return []
+    names = ", ".join(f"{name}={value:.4g}" for name, value in arm.held.items())
+    problem = f"held still, off the way to the tip {arm.tip}"
+    return [Issue("note", names, problem, "what hangs on it rides along")]
+
+
+def _check_drives(robot: Robot) -> list[Issue]:
+    missing = {
+        "acceleration limits": (robot.acceleration, "how long speeding up takes is not known"),
+        "rotor inertias": (robot.rotor_inertia, "what the motors add to an impact is not known"),
+    }
+    return [
+        Issue("note", "every joint", f"no {what}", effect)
+        for what, (values, effect) in missing.items()
+        if values is None and not robot.model.armature.any()
+    ]
+
+
+def check_shapes(robot: Robot) -> list[Issue]:
+    """Check that every collision shape can be read; this reads the meshes too."""
+    effect = "clearance is not known"
+    return [
+        Issue("warning", link, f"a collision shape cannot be read: {reason}", effect)
+        for link, reason in robot.shape_faults
+    ]

@@ -1,159 +1,136 @@
-"""Find a robot by name or path and make a `Robot` of it."""
+"""Make a `Robot` of a name, a file or a text."""
 
 from __future__ import annotations
 
-import os
-import tomllib
 import warnings
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass
-from functools import lru_cache
-from importlib import metadata, resources
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from hitjoints.errors import InputError, ModelError, UnknownNameError, shown
+from hitjoints.errors import InputError, ModelError, shown
 from hitjoints.loading.check import check_arm
+from hitjoints.loading.facts import (
+    DRIVE_FACTS,
+    LIMITS,
+    drive_fact,
+    per_joint,
+    provenance,
+    read_lock,
+)
+from hitjoints.loading.source import Description, describe
+from hitjoints.model.arm import Arm, choose_arm
+from hitjoints.model.compare import compare_model
 from hitjoints.model.robot import Contact, Robot
-from hitjoints.model.urdf import Arm, read_arm, read_text
-from hitjoints.vectors import real
+from hitjoints.model.tips import end_rank
+from hitjoints.model.turns import middle
+from hitjoints.model.urdf_text import urdf_text
 
-ERD = "example-robot-data"
-# Frames that mark the end of an arm in common URDFs, tried in this order.
-FLANGE_NAMES = ("flange", "tool0", "ee_link", "link_eef")
-# What a robot's TOML may hold.
-KEYS = {
-    "name": str, "title": str, "urdf": str, "licence": str, "source": str, "lock": list,
-    "hitting_joints": list, "home": list, "flange": str, "armature": list,
-    "acceleration": list, "acceleration_source": str, "jerk": list, "jerk_source": str,
-    "rotor_inertia": list, "rotor_inertia_source": str,
-    "joint_stiffness": list, "joint_stiffness_source": str,
-}  # fmt: skip
-# Facts of the drives that no description holds; each stays unknown without an entry.
-DRIVE_FACTS = ("acceleration", "jerk", "rotor_inertia", "joint_stiffness")
+Lock = str | Iterable[str] | Mapping[str, float] | None
 
 
 class ModelWarning(UserWarning):
     """A robot description holds a number that spoils the inertias computed from it."""
 
 
-@dataclass(frozen=True)
-class Description:
-    """A robot description before Pinocchio sees it."""
-
-    name: str
-    arm: Arm
-    facts: Mapping[str, Any]
-    """The TOML's entries; empty for a bare URDF."""
-    package_directory: str
-
-
-def robot_names() -> list[str]:
-    """Return the names of the robots that come with hitjoints."""
-    files = resources.files("hitjoints.robots").iterdir()
-    return sorted(file.name[:-5] for file in files if file.name.endswith(".toml"))
-
-
-def load_robot(name_or_path: str | Path, *, lock: Collection[str] = ()) -> Robot:
+def load_robot(
+    source: str | Path,
+    tip: str | None = None,
+    base: str | None = None,
+    lock: Lock = None,
+    package_dirs: Sequence[str | Path] = (),
+    xacro_args: Mapping[str, str] | None = None,
+) -> Robot:
     """Load an arm.
 
     Args:
-        name_or_path: a name of `robot_names`, the name of a URDF in example-robot-data, or the
-            path of a URDF, or of a TOML laid out as those in hitjoints/robots (which adds to a
-            URDF the home configuration, hitting joints, flange and rotor inertias).
-        lock: names of joints to hold at zero, such as the fingers of a gripper.
+        source: a name of `robot_names`; the name of a URDF in example-robot-data; the path of a
+            URDF, or of a TOML laid out as those in hitjoints/robots (which adds to a URDF what it
+            has no field for); or a URDF as text.
+        tip: the link that the arm ends with. Joints off the way from the base to the tip are held,
+            their links ride along. Not needed when the description holds one arm.
+        base: the link that the arm stands on, whose frame becomes the world's; the root of the
+            description when not given.
+        lock: joints to hold: positions (rad or m) by name, or "NAME" (at zero) and "NAME=VALUE".
+        package_dirs: folders that hold the packages of `package://` addresses.
+        xacro_args: arguments of a xacro file, by name.
 
     Returns:
         The robot. Continuous joints have infinite position limits.
 
     Raises:
-        InputError: there is no such robot or file.
+        InputError: there is no such robot, file, tip, base or joint.
         ModelError: the file is not a fixed-base serial arm; the message says why.
 
     Warns:
         ModelWarning: an inertia is physically impossible or out of proportion; the text says what
             that does to the directional inertia.
     """
-    description = describe(name_or_path, lock)
-    robot = build_robot(description)
-    for issue in check_arm(description.arm, robot):
-        if issue.severity == "error":
+    _, arm, robot = read_robot(source, tip, base, lock, package_dirs, xacro_args)
+    for issue in check_arm(arm, robot, doubts=False):
+        if issue.at_load:
             warnings.warn(f"{robot.name}: {issue}", ModelWarning, stacklevel=2)
     return robot
 
 
-def describe(name_or_path: str | Path, lock: Collection[str] = ()) -> Description:
-    """Read the files of a robot; arguments and errors as `load_robot`."""
-    text = str(name_or_path)
-    lock = (lock,) if isinstance(lock, str) else lock
-    if text in robot_names():
-        return _from_toml(Path(str(resources.files("hitjoints.robots"))) / f"{text}.toml", lock)
-    path = Path(text)
-    if path.suffix == ".toml":
-        return _from_toml(path, lock)
-    if path.suffix != ".urdf" and "/" not in text and not os.path.isfile(text):
-        known = erd_urdfs()
-        if text not in known:
-            raise UnknownNameError(
-                "robot", text, [*robot_names(), "a URDF path", f"a robot of {ERD}"]
-            )
-        path = known[text]
-    arm = read_arm(read_text(str(path)), str(name_or_path), lock)
-    return Description(path.stem, arm, {}, _package_directory(path))
+def read_robot(
+    source: str | Path,
+    tip: str | None = None,
+    base: str | None = None,
+    lock: Lock = None,
+    package_dirs: Sequence[str | Path] = (),
+    xacro_args: Mapping[str, str] | None = None,
+) -> tuple[Description, Arm, Robot]:
+    """Load an arm without a word on what is doubtful, with what it was made of.
+
+    Arguments and errors as `load_robot`.
+    """
+    description = describe(source, package_dirs, xacro_args)
+    arm = read_arm(description, tip, base, lock)
+    return description, arm, build_robot(description, arm)
 
 
-def _from_toml(path: Path, lock: Collection[str]) -> Description:
-    text = read_text(str(path))
+def read_arm(
+    description: Description, tip: str | None = None, base: str | None = None, lock: Lock = None
+) -> Arm:
+    """Read a description and choose the arm in it; arguments and errors as `load_robot`.
+
+    What is asked for goes before what the TOML says; joints locked in either are held.
+    """
+    facts, name = description.facts, description.name
     try:
-        facts = tomllib.loads(text)
-    except RecursionError:
-        raise ModelError(str(path), "not a TOML file (nested too deeply)") from None
-    except ValueError as error:
-        raise ModelError(str(path), f"not a TOML file ({error})") from None
-    for key, value in facts.items():
-        if key not in KEYS:
-            raise ModelError(str(path), f"unknown key {key!r}; the keys are {', '.join(KEYS)}")
-        if not isinstance(value, KEYS[key]):
-            kind = "text" if KEYS[key] is str else "a list"
-            raise ModelError(str(path), f"{key} = {shown(value, repr)} must be {kind}")
-    if "urdf" not in facts:
-        raise ModelError(str(path), "the key 'urdf' must name the URDF file")
-    if not all(isinstance(joint, str) for joint in facts.get("lock", ())):
-        raise ModelError(str(path), f"lock = {shown(facts['lock'])} must be names of joints")
-    package, _, inside = facts["urdf"].rpartition(":")
-    urdf = (erd_directory() / inside) if package == ERD else path.parent / facts["urdf"]
-    name = facts.get("name", path.stem)
-    arm = read_arm(read_text(str(urdf)), name, {*facts.get("lock", ()), *lock})
-    return Description(name, arm, facts, _package_directory(urdf))
+        told = read_lock(facts.get("lock"))
+    except InputError as error:
+        raise ModelError(name, str(error)) from None
+    return choose_arm(
+        description.tree,
+        description.source,
+        facts.get("tip") if tip is None else tip,
+        facts.get("base") if base is None else base,
+        told | read_lock(lock),
+        {key: facts[key] for key in LIMITS if key in facts},
+    )
 
 
-def build_robot(description: Description) -> Robot:
-    """Build the Pinocchio model of a description."""
-    import pinocchio as pin
+def build_robot(description: Description, arm: Arm) -> Robot:
+    """Build the Pinocchio model of an arm.
 
-    arm, facts, name = description.arm, description.facts, description.name
-    try:
-        model = pin.buildModelFromXML(arm.xml)
-    except (ValueError, RuntimeError) as error:
-        raise ModelError(name, f"Pinocchio cannot read it ({str(error).splitlines()[0]})") from None
-    if tuple(model.names)[1:] != arm.joints or model.nq != model.nv:
-        raise ModelError(name, f"Pinocchio reads joints {list(model.names)[1:]}, not {arm.joints}")
-    for joint in arm.continuous:
-        index = model.joints[model.getJointId(joint)].idx_q
-        model.lowerPositionLimit[index] = -np.inf
-        model.upperPositionLimit[index] = np.inf
+    Raises:
+        ModelError: Pinocchio does not read what was read here, or a fact does not fit the arm.
+    """
+    facts, name = description.facts, description.name
+    model = _model(arm, name)
     n = model.nv
-    # Pinocchio 4.1 leaves the upper limit here; a URDF's velocity limit holds both ways.
-    model.lowerVelocityLimit = -model.upperVelocityLimit
-    model.armature = _facts_vector(facts, "armature", np.zeros(n), name)
+    chain = [arm.tree.joints[joint] for joint in arm.joints]
+    told = np.array([joint.armature for joint in chain])
+    model.armature = per_joint(facts, "armature", told, name)
     if (model.armature < 0).any():
         raise ModelError(name, f"armature = {shown(facts['armature'])} must not be negative")
-    lower, upper = model.lowerPositionLimit, model.upperPositionLimit
-    middle, bounded = np.zeros(n), np.isfinite(lower)
-    middle[bounded] = (lower[bounded] + upper[bounded]) / 2
-    home = _facts_vector(facts, "home", middle, name)
+    turning = np.array([joint.kind != "prismatic" for joint in chain])
+    usual = middle(model.lowerPositionLimit, model.upperPositionLimit, turning)
+    rest = [m if joint.home is None else joint.home for joint, m in zip(chain, usual, strict=True)]
+    home = per_joint(facts, "home", np.array(rest), name)
     joints = tuple(facts.get("hitting_joints", range(max(1, n - 2), n + 1)))
     if not joints or not all(type(k) is int and 1 <= k <= n for k in joints):
         raise ModelError(name, f"hitting_joints = {shown(joints)} must be joints from 1 to {n}")
@@ -162,14 +139,15 @@ def build_robot(description: Description) -> Robot:
         model=model,
         hitting_joints=joints,
         home=home,
-        flange=_flange(model, facts.get("flange"), name),
+        flange=_flange(model, facts.get("flange"), arm.tip, name),
         xml=arm.xml,
         title=facts.get("title", name),
         source=" ".join(facts.get("source", "").split()),
         licence=facts.get("licence", ""),
-        package_directory=description.package_directory,
-        **{key: _drive_fact(facts, key, n, name) for key in DRIVE_FACTS},
-        provenance=_provenance(facts, name),
+        folder="" if description.folder is None else str(description.folder),
+        package_dirs=description.package_dirs,
+        **{key: drive_fact(facts, key, n, name) for key in DRIVE_FACTS},
+        provenance=provenance(facts, name),
     )
     try:
         robot.within_limits(home, "home")
@@ -178,70 +156,32 @@ def build_robot(description: Description) -> Robot:
     return robot
 
 
-def _facts_vector(facts: Mapping[str, Any], key: str, default: Any, name: str) -> Any:
-    wanted = f"must be {len(default)} finite numbers"
+def _model(arm: Arm, name: str) -> Any:
+    import pinocchio as pin
+
     try:
-        values = real(facts.get(key, default), key, wanted)
-    except InputError:
-        values = np.empty(0)
-    if values.shape != np.shape(default) or not np.isfinite(values).all():
-        raise ModelError(name, f"{key} = {shown(facts[key])} {wanted}")
-    return values
+        model = pin.buildModelFromXML(urdf_text(arm.tree, shapes=False))
+    except (ValueError, RuntimeError) as error:
+        raise ModelError(name, f"Pinocchio cannot read it ({str(error).splitlines()[0]})") from None
+    if tuple(model.names)[1:] != arm.joints or model.nq != model.nv:
+        raise ModelError(name, f"Pinocchio reads joints {list(model.names)[1:]}, not {arm.joints}")
+    compare_model(model, arm, name)
+    for joint in arm.continuous:
+        index = model.joints[model.getJointId(joint)].idx_q
+        model.lowerPositionLimit[index] = -np.inf
+        model.upperPositionLimit[index] = np.inf
+    # Pinocchio 4.1 leaves the upper limit here; a URDF's velocity limit holds both ways.
+    model.lowerVelocityLimit = -model.upperVelocityLimit
+    return model
 
 
-def _drive_fact(facts: Mapping[str, Any], key: str, n: int, name: str) -> Any:
-    if key not in facts:
-        return None
-    values = _facts_vector(facts, key, np.zeros(n), name)
-    # A drive may have a light rotor; a limit or a stiffness of zero would hold the arm still.
-    if (values < 0).any() or (key != "rotor_inertia" and not values.all()):
-        least = "not be negative" if key == "rotor_inertia" else "be above zero"
-        raise ModelError(name, f"{key} = {shown(facts[key])} must {least}")
-    return values
-
-
-def _provenance(facts: Mapping[str, Any], name: str) -> dict[str, str]:
-    sources = {key: facts[f"{key}_source"] for key in DRIVE_FACTS if f"{key}_source" in facts}
-    for key in DRIVE_FACTS:
-        if (key in facts) != (key in sources):
-            reason = f"{key} and {key}_source belong together: a number and where it comes from"
-            raise ModelError(name, reason)
-    return {key: " ".join(source.split()) for key, source in sources.items()}
-
-
-def _flange(model: Any, frame: str | None, name: str) -> Contact:
-    """Return the named frame's point, or that of a usual name, or the last joint's origin."""
+def _flange(model: Any, frame: str | None, tip: str, name: str) -> Contact:
+    """Return the named frame's point, or that of a usual name, or the tip."""
     last = model.nv
     ends = {f.name: f.placement.translation for f in model.frames if f.parentJoint == last}
     if frame is not None and frame not in ends:
         reason = f"flange {frame!r} is no frame on the last joint; choose one of {list(ends)}"
         raise ModelError(name, reason)
-    for candidate in (frame,) if frame is not None else FLANGE_NAMES:
-        if candidate in ends:
-            return Contact(last, tuple(ends[candidate]))
-    return Contact(last)
-
-
-@lru_cache(maxsize=1)
-def erd_directory() -> Path:
-    """Return the folder of robots in the installed example-robot-data."""
-    share = f"cmeel.prefix/share/{ERD}/robots"
-    try:
-        return Path(str(metadata.distribution(ERD).locate_file(share)))
-    except metadata.PackageNotFoundError:
-        install = "it is not installed: pip install example-robot-data"
-        raise InputError("robot", ERD, install) from None
-
-
-@lru_cache(maxsize=1)
-def erd_urdfs() -> dict[str, Path]:
-    """Return the URDFs of example-robot-data by file name without its ending."""
-    return {path.stem: path for path in sorted(erd_directory().rglob("*.urdf"), reverse=True)}
-
-
-def _package_directory(urdf: Path) -> str:
-    """Return the folder that package:// addresses inside a URDF start from."""
-    for parent in urdf.resolve().parents:
-        if parent.name == ERD:
-            return str(parent.parent)
-    return str(urdf.resolve().parent)
+    usual = [(rank, end) for end in ends if (rank := end_rank(end)) is not None]
+    chosen = frame if frame is not None else min(usual)[1] if usual else tip
+    return Contact(last, tuple(ends[chosen]))

@@ -179,12 +179,11 @@ def _sample(
 
 
 def _outward(robot: Robot, contact: Contact, rows: Array, threads: int | None) -> Array:
-    """Return chi_{k+1} - chi_k (N, 3) of Eq. 14; beyond the last joint comes the flange."""
-    k = contact.joint
-    following = Contact(k + 1) if k < robot.n else robot.flange
-    kernel = kernel_for(robot, (Contact(k), following), ("position",))
-    ends = kernel(rows, np.array([1.0, 0.0, 0.0]), threads=threads)["position"]
-    return np.asarray(ends[1] - ends[0])
+    """Return chi_{k+1} - chi_k (N, 3) of Eq. 14, see `Robot.beyond`."""
+    ends = Contact(contact.joint), robot.beyond(contact)
+    kernel = kernel_for(robot, ends, ("position",))
+    places = kernel(rows, np.array([1.0, 0.0, 0.0]), threads=threads)["position"]
+    return np.asarray(places[1] - places[0])
 
 
 def _median(ordered: Array, count: NDArray[np.int64]) -> Array:

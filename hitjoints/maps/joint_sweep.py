@@ -31,13 +31,14 @@ def sweep_joint(
     direction: ArrayLike,
     mass: float,
     *,
-    joints: Sequence[int] | None = None,
+    joints: Sequence[Contact | int] | None = None,
     count: int = 181,
     start: ArrayLike | None = None,
     seed: int = 0,
 ) -> Dataset:
     """Place each joint at a point, then turn that joint over its range (Section III-A, Fig. 2).
 
+    A contact with an offset is placed at the point and leaves it as the joint turns.
     Every joint is placed by inverse kinematics from one common configuration, so the arms stay
     close to each other in joint space. Turning joint k changes neither its position nor its
     speed, but the inertia and with it the flux.
@@ -47,7 +48,7 @@ def sweep_joint(
         position: (3,) m, where the object is.
         direction: (3,), the hitting direction.
         mass: of the object, kg.
-        joints: hitting joints; the robot's own when not given.
+        joints: hitting joints or contacts; the robot's own when not given.
         count: angles per joint.
         start: (n,) rad, the common configuration; the robot's home when not given.
         seed: of the inverse kinematics' random restarts, needed when `start` leads nowhere.
@@ -60,7 +61,7 @@ def sweep_joint(
         InputError: an argument cannot be used.
         InfeasibleError: no joint reaches the position.
     """
-    chosen = [contact.joint for contact in robot.contacts(joints)]
+    chosen = robot.contacts(joints)
     count = whole(count, "count", 2, MOST_ANGLES)
     seed = whole(seed, "seed", 0, LARGEST_SEED)
     target = points(position, "position").reshape(3)
@@ -69,19 +70,21 @@ def sweep_joint(
     rows = [_turn(robot, k, target, h, common, count, seed) for k in chosen]
     if not any(row["reachable"] for row in rows):
         raise InfeasibleError(
-            f"unreachable: no joint of {chosen} can be placed at "
+            f"unreachable: no joint of {[contact.joint for contact in chosen]} can be placed at "
             f"({', '.join(f'{v:g}' for v in target)}); the closest, joint "
             f"{min(rows, key=lambda r: r['position_error'])['joint']}, stays "
             f"{min(r['position_error'] for r in rows):.3g} m away",
             {"position_error": {r["joint"]: r["position_error"] for r in rows}},
         )
-    return _assemble(robot, rows, target, h, positive_mass(mass))
+    swept = _assemble(robot, rows, target, h, positive_mass(mass))
+    return swept.assign_attrs(offsets=[list(contact.offset) for contact in chosen])
 
 
 def _turn(
-    robot: Robot, joint: int, target: Any, h: Any, common: Any, count: int, seed: int
+    robot: Robot, contact: Contact, target: Any, h: Any, common: Any, count: int, seed: int
 ) -> dict[str, Any]:
-    placed = place_joint(robot, joint, target, seed, start=common)
+    joint = contact.joint
+    placed = place_joint(robot, contact, target, seed, start=common)
     q, reachable = placed.q[0], bool(placed.solved[0])
     row: dict[str, Any] = {"joint": joint, "q": q, "reachable": reachable}
     row["position_error"] = float(placed.error[0])
@@ -91,7 +94,7 @@ def _turn(
     row["angle"] = np.linspace(low, high, count)
     turned = np.tile(q, (count, 1))
     turned[:, joint - 1] = row["angle"]
-    values = kernel_for(robot, (Contact(joint),), OUTPUTS)(turned, h)
+    values = kernel_for(robot, (contact,), OUTPUTS)(turned, h)
     for name in OUTPUTS:
         row[name] = values[name][0] if reachable else np.full(count, np.nan)
     return row

@@ -11,12 +11,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.errors import InputError, ModelError
+from hitjoints.model.turns import nearest_turn, search_range
 from hitjoints.vectors import all_finite, real
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from numpy.typing import ArrayLike, NDArray
+
+FARTHEST = 100.0
+"""m from a joint to a point of its link; of what lies farther, rounding is what remains."""
+COINCIDE = 1e-3  # m; origins that are nearer than this to each other are one
 
 
 @dataclass(frozen=True)
@@ -35,9 +40,10 @@ class Contact:
         if isinstance(self.joint, np.integer):
             # Pinocchio takes Python's integers alone.
             object.__setattr__(self, "joint", int(self.joint))
-        values = real(self.offset, "offset", "three finite numbers in metres")
-        if values.shape != (3,) or not np.isfinite(values).all():
-            raise InputError("offset", self.offset, "three finite numbers in metres")
+        expected = f"three finite numbers in metres, none beyond {FARTHEST:g} m"
+        values = real(self.offset, "offset", expected)
+        if values.shape != (3,) or not (np.abs(values) <= FARTHEST).all():
+            raise InputError("offset", self.offset, expected)
         object.__setattr__(self, "offset", tuple(float(v) for v in values))
 
     @cached_property
@@ -66,6 +72,8 @@ class Robot:
         flange: the end of the arm, on the last joint; the point chi_{n+1} of Eq. 14.
         xml: the URDF as given to Pinocchio.
         title, source, licence: where the numbers come from.
+        folder: of the description, "" for a text; its meshes are looked for from there.
+        package_dirs: folders that hold the packages of `package://` addresses.
         acceleration: (n,) rad/s^2, acceleration limits of the drives; None when not known.
         jerk: (n,) rad/s^3, jerk limits; None when not known.
         rotor_inertia: (n,) kg m^2, reflected through the gears; None when not known. The mass
@@ -83,7 +91,8 @@ class Robot:
     title: str = ""
     source: str = field(default="", repr=False)
     licence: str = ""
-    package_directory: str = field(default="", repr=False)
+    folder: str = field(default="", repr=False)
+    package_dirs: tuple[str, ...] = field(default=(), repr=False)
     acceleration: NDArray[np.float64] | None = field(default=None, repr=False)
     jerk: NDArray[np.float64] | None = field(default=None, repr=False)
     rotor_inertia: NDArray[np.float64] | None = field(default=None, repr=False)
@@ -105,7 +114,11 @@ class Robot:
         """Tell whether two robots give the same numbers, such as a robot and its pickled copy."""
         if not isinstance(other, Robot):
             return NotImplemented
-        return (self.name, self.digest, self.flange) == (other.name, other.digest, other.flange)
+        mine, theirs = (
+            (self.name, self.digest, self.flange),
+            (other.name, other.digest, other.flange),
+        )
+        return mine == theirs and self._meshes == other._meshes
 
     def __hash__(self) -> int:
         """Return a hash that equal robots share."""
@@ -115,6 +128,11 @@ class Robot:
     def n(self) -> int:
         """Number of joints."""
         return int(self.model.nv)
+
+    @cached_property
+    def has_mass(self) -> bool:
+        """Whether any moving link weighs anything; without, only kinematics are known."""
+        return any(body.mass > 0 for body in list(self.model.inertias)[1:])
 
     @property
     def joint_names(self) -> list[str]:
@@ -133,11 +151,19 @@ class Robot:
 
     @cached_property
     def finite_limits(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Position limits, (n,) rad each, one turn from -pi to pi where there are none."""
-        return (
-            _frozen(np.where(np.isfinite(self.lower), self.lower, -np.pi)),
-            _frozen(np.where(np.isfinite(self.upper), self.upper, np.pi)),
-        )
+        """Position limits, (n,) rad each; one turn around home where they are far or missing."""
+        low, high = search_range(self.lower, self.upper, self.home, self.turning)
+        return _frozen(low), _frozen(high)
+
+    @cached_property
+    def turning(self) -> NDArray[np.bool_]:
+        """Which joints turn, (n,); the others slide."""
+        kinds = [joint.shortname() for joint in list(self.model.joints)[1:]]
+        return np.array([not kind.startswith("JointModelP") for kind in kinds])
+
+    def nearest_turn(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return q, (n,) or (N, n) rad, with every angle the turn of 2 pi nearest to home."""
+        return nearest_turn(q, self.lower, self.upper, self.home, self.turning)
 
     @cached_property
     def velocity_lower(self) -> NDArray[np.float64]:
@@ -178,29 +204,49 @@ class Robot:
         return model
 
     @cached_property
+    def _collision(self) -> tuple[Any, list[tuple[str, str]]]:
+        from hitjoints.model.collision_shapes import build_shapes, read_shapes
+
+        shapes, faults = read_shapes(self.xml)
+        geometry, more = build_shapes(self.model, shapes, self.folder, self.package_dirs)
+        return geometry, faults + more
+
+    @property
+    def shape_faults(self) -> list[tuple[str, str]]:
+        """The collision shapes that cannot be read: their links and the reasons."""
+        return self._collision[1]
+
+    @property
     def collision_model(self) -> Any:
         """Pinocchio's geometry of the collision shapes.
 
         Raises:
             ModelError: a shape cannot be read, such as a mesh whose file is missing.
         """
-        import pinocchio as pin
-
-        kind, folders = pin.GeometryType.COLLISION, [self.package_directory]
-        try:
-            return pin.buildGeomFromUrdfString(self.model, self.xml, kind, None, folders)
-        except (ValueError, RuntimeError) as error:
-            reason = f"its collision shapes cannot be read ({str(error).splitlines()[0]})"
-            raise ModelError(self.name, reason) from None
+        geometry, faults = self._collision
+        if faults:
+            (link, reason), count = faults[0], len(faults)
+            which = f"the collision shape of {link}"
+            if count > 1:
+                which = f"{count} collision shapes, first that of {link},"
+            raise ModelError(self.name, f"{which} cannot be read: {reason}")
+        return geometry
 
     @cached_property
     def digest(self) -> str:
-        """Hash of everything the quantities depend on: same digest, same numbers."""
+        """Hash of all that kinematics and dynamics depend on: same digest, same numbers."""
         parts = [self.xml.encode()]
         facts = (self.acceleration, self.jerk, self.rotor_inertia, self.joint_stiffness)
         arrays = (self.model.armature, self.lower, *facts)
         parts += [b"" if a is None else np.ascontiguousarray(a).tobytes() for a in arrays]
         return hashlib.sha256(b"\0".join(parts)).hexdigest()[:16]
+
+    @cached_property
+    def _meshes(self) -> str:
+        """Hash of the meshes that clearance depends on, which the description only names."""
+        from hitjoints.model.collision_shapes import mesh_digest
+
+        return mesh_digest(self.xml, self.folder, self.package_dirs)
 
     @property
     def usual_joint(self) -> int:
@@ -240,6 +286,18 @@ class Robot:
         if not contacts or len(set(contacts)) < len(contacts):
             raise InputError("joint", [c.joint for c in contacts], "at least one, each once")
         return contacts
+
+    def beyond(self, contact: Contact) -> Contact:
+        """Return the point that the away condition compares a contact's joint with (Eq. 14).
+
+        The next joint's origin, chi_{k+1}; where it coincides with that of joint k in every
+        configuration, the next that does not; the flange after the last joint.
+        """
+        for joint in range(contact.joint + 1, self.n + 1):
+            ahead = float(np.linalg.norm(self.model.jointPlacements[joint].translation))
+            if ahead > COINCIDE or not self.turning[joint - 1]:
+                return self._origins[joint]
+        return self.flange
 
     def configuration(self, q: ArrayLike, argument: str = "q") -> NDArray[np.float64]:
         """Return `q` as one (n,) or many (N, n) finite configurations.

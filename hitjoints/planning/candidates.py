@@ -109,12 +109,13 @@ def measure(hit: Hit, q: Array) -> dict[str, Any]:
 def evidence_of(found: Found) -> dict[str, Any]:
     """Return how sure a search is."""
     best = np.exp(found.restarts)
+    most = float(np.exp(found.value[0])) if found.value.size else 0.0
     return {
         "samples": found.samples,
         "admissible": found.admissible,
         "local_optima": found.local_optima,
         "restarts": best,
         "spread": found.spread if best.size else None,
-        "agreeing": int((best >= best.max(initial=0.0) * (1 - 1e-4)).sum()),
+        "agreeing": int((best >= most * (1 - 1e-4)).sum()),
         "certificate": None,
     }

@@ -14,7 +14,7 @@ from hitjoints.hitting.field import HittingField
 from hitjoints.planning.acceleration import accelerated
 from hitjoints.programs.hitting_speed import solve_hitting_speed, step_bounds
 from hitjoints.programs.problem import Program
-from hitjoints.programs.proxqp import solve
+from hitjoints.programs.solver import solve
 from hitjoints.tolerances import rank_floor, told_apart
 from hitjoints.vectors import unit
 

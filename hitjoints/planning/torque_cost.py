@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.hit import Hit
+from hitjoints.impact.flux import flux
 from hitjoints.planning.acceleration import run_from
 from hitjoints.planning.start import SETTLED, SHARES, plan_start
 from hitjoints.programs.hitting_speed import solve_hitting_speed
@@ -68,7 +69,7 @@ def torque_cost(
     target, inertia = position(robot, q, contact), inertia_along(robot, q, contact, h)
     limits = robot.velocity_lower, robot.velocity_upper
     top = solve_hitting_speed(jacobian(robot, q, contact), h, *limits, straight=True).speed
-    most = inertia / (inertia + mass) * top
+    most = flux(1.0 / inertia, mass, top)
     reached: dict[bool, float] = {}
     for share in SHARES:
         if share * most <= min(reached.get(limited, 0.0) for limited in (False, True)):

@@ -10,7 +10,7 @@ import numpy as np
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.programs.infeasibility import show_blocked
 from hitjoints.programs.problem import Program, Residuals
-from hitjoints.programs.proxqp import solve
+from hitjoints.programs.solver import solve
 from hitjoints.tolerances import rank_floor
 from hitjoints.vectors import real, unit
 

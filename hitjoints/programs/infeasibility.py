@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.programs.problem import Program
-from hitjoints.programs.scaling import scaled
 
 if TYPE_CHECKING:
     from hitjoints.programs.problem import Vector
@@ -41,14 +40,6 @@ class Infeasibility:
     roundoff: float
     shortfall: float
     relative: float
-
-
-def show_infeasible(program: Program) -> Infeasibility | None:
-    """Return a proof that a program is infeasible, or None if none was found.
-
-    Tried in turn: an empty box, single rows over the box, all rows together (a phase-1 problem).
-    """
-    return show_blocked(program) or _show_conflict(program)
 
 
 def show_blocked(program: Program) -> Infeasibility | None:
@@ -97,28 +88,19 @@ def verify(program: Program, y: Vector, z: Vector) -> Infeasibility | None:
     return Infeasibility(reason, y, z, margin, roundoff, shortfall, margin / total)
 
 
-def _show_conflict(program: Program) -> Infeasibility | None:
-    # Imported here, for that module asks this one for proofs.
-    from hitjoints.programs.proxqp import CERTIFIED, answers
-
-    if program.b.size + program.d.size == 0:
-        return None
-    small = scaled(program)
+def show_conflict(program: Program, y: Vector, z: Vector) -> Infeasibility | None:
+    """Return the proof that multipliers make, without rows of little share if it stands so."""
     equal, unequal, _ = program.row_sizes()
-    for answer in answers(_phase_one(small.program)):
-        y, z = small.multipliers(answer.y, answer.z)
-        share = np.concatenate([np.abs(y) * equal, np.abs(z) * unequal])
-        for cut in (MINOR, 0.0):
-            kept = share >= cut * share.max()
-            proof = verify(program, y * kept[: y.size], z * kept[y.size :])
-            if proof is not None:
-                return proof
-        if answer.residuals.worst <= CERTIFIED:
-            return None
+    share = np.concatenate([np.abs(y) * equal, np.abs(z) * unequal])
+    for cut in (MINOR, 0.0):
+        kept = share >= cut * share.max()
+        proof = verify(program, y * kept[: y.size], z * kept[y.size :])
+        if proof is not None:
+            return proof
     return None
 
 
-def _phase_one(unit: Program) -> Program:
+def phase_one(unit: Program) -> Program:
     """Return the program of the least violations: min |r|^2 + |s|^2, A x - r = b, C x - s <= d.
 
     It is always feasible, and its multipliers, y = r and z = s, are Farkas multipliers of the

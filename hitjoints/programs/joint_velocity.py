@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from hitjoints.errors import InputError
+from hitjoints.impact.flux import flux as flux_at
+from hitjoints.impact.flux import speed_for
 from hitjoints.programs.problem import Program, Residuals
-from hitjoints.programs.proxqp import solve
+from hitjoints.programs.solver import solve
 from hitjoints.programs.warm import ROWS
 from hitjoints.vectors import points, real, unit
 
@@ -30,7 +32,7 @@ FLOOR = 0.1
 WITHIN_REACH = 1.0 - 1e-6
 """Share of the largest reachable speed asked for when the desired one is out of reach."""
 PROGRESS = 1e3
-"""Reward for following the field, rad^2/s^2: what posture may not outweigh."""
+"""Reward for the part of the flux that is within reach, (m/s)^2."""
 CUTOFF = 1e-6
 """m/rad, singular values below which J^+ treats a motion as impossible."""
 SLOPE = 1e-9
@@ -79,6 +81,13 @@ def least_norm(J: Matrix, velocity: Vector) -> Vector:
     squares, axes = np.linalg.eigh(squared)
     inverse = np.where(squares > CUTOFF**2, 1.0 / np.maximum(squares, CUTOFF**2), 0.0)
     return np.asarray((axes @ (inverse * (velocity @ axes))) @ J)
+
+
+def is_regular(S: Matrix) -> bool:
+    """Tell whether a symmetric matrix (3, 3) is far enough from singular for Cramer's rule."""
+    (a, b, c), (_, d, e), (_, _, f) = S.tolist()
+    det = a * (d * f - e * e) + b * (c * e - b * f) + c * (b * e - c * d)
+    return bool(det > REGULAR * (a + d + f) ** 3)
 
 
 def _solve_three(S: Matrix, v: Vector) -> Vector | None:
@@ -160,19 +169,6 @@ def most_flux_terms(
     return Terms(H, np.append(terms.c, -PROGRESS), A, terms.b)
 
 
-def following_terms(J: Matrix, f: Vector, posture: Vector) -> Terms:
-    """Return |qd - posture|^2 / 2 - PROGRESS s + s^2 / 2 under J qd = s f; variables (qd, s).
-
-    When no bound is active, s = 1 and qd = J^+ f + N posture: Eq. 7.
-    """
-    n = posture.size
-    A = np.empty((3, n + 1))
-    A[:, :n], A[:, n] = J, -f
-    c = np.empty(n + 1)
-    c[:n], c[n] = -posture, -PROGRESS
-    return Terms(np.eye(n + 1), c, A, np.zeros(3))
-
-
 def build_joint_velocity(
     jacobian: ArrayLike,
     velocity: ArrayLike,
@@ -230,7 +226,7 @@ def solve_joint_velocity(
         jacobian, velocity, direction, inertia, mass, flux, lower, upper, weights, rho
     )
     found = solve(program)
-    reached = inertia / (inertia + mass) * float(program.A[0] @ found.x)
+    reached = flux_at(1.0 / inertia, mass, float(program.A[0] @ found.x))
     return JointVelocity(found.x, reached, saturated, found.residuals)
 
 
@@ -268,7 +264,7 @@ def _flux_program(
         if not (math.isfinite(value) and value > 0):
             raise InputError(name, value, "a finite number above zero")
     pull = h @ J
-    wanted, reach = (1.0 + mass / inertia) * flux, reachable_speed(pull, low, high)
+    wanted, reach = speed_for(1.0 / inertia, mass, flux), reachable_speed(pull, low, high)
     saturated = wanted > reach
     terms = flux_terms(J, f, pull, WITHIN_REACH * reach if saturated else wanted, W, rho)
     return Program(terms.c, low, high, H=terms.H, A=terms.A, b=terms.b), saturated

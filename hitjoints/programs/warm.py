@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hitjoints.errors import HitjointsError
+from hitjoints.programs import solver
 from hitjoints.programs.problem import Program
-from hitjoints.programs.proxqp import solve, warm_qp
 
 if TYPE_CHECKING:
+    from hitjoints.programs.back_end import Warm
     from hitjoints.programs.problem import Matrix, Vector
 
 ROWS = 1e-7
@@ -28,7 +29,7 @@ class WarmProgram:
     that of one linear system. If it is not, a few steps of the primal-dual active set method mend
     the guess, and then ProxQP, starting from its previous answer, makes a new one. Whatever the
     way, an answer is returned only if its residuals, computed here, are small; else the program is
-    solved from scratch by `programs.proxqp.solve`, which certifies what it returns.
+    solved from scratch by `programs.solver.solve`, which certifies what it returns.
 
     ProxQP's last digits depend on where in memory its numbers lie; those of the linear system do
     not. Same numbers in, same bits out.
@@ -46,7 +47,7 @@ class WarmProgram:
         self._side = np.zeros(n)  # -1 at the lower bound, 1 at the upper, 0 between
         self._system = np.zeros((n + m, n + m))
         self._right = np.zeros(n + m)
-        self._qp: Any = None
+        self._qp: Warm | None = None
 
     def solve(
         self, H: Matrix, c: Vector, A: Matrix, b: Vector, lower: Vector, upper: Vector
@@ -71,7 +72,7 @@ class WarmProgram:
         self._qp = None  # the next program starts without this one's iterate
         self.cold += 1
         try:
-            return solve(Program(c, lower, upper, H=H, A=A, b=b)).x
+            return solver.solve(Program(c, lower, upper, H=H, A=A, b=b)).x
         except HitjointsError:
             return None
 
@@ -108,16 +109,11 @@ class WarmProgram:
     def _proximal(
         self, H: Matrix, c: Vector, A: Matrix, b: Vector, lower: Vector, upper: Vector
     ) -> tuple[Vector, Vector]:
-        """Return ProxQP's answer x (n,), within the bounds, and the multipliers y (m,)."""
+        """Return the back end's answer x (n,), within the bounds, and the multipliers y (m,)."""
         if self._qp is None:
-            self._qp = warm_qp(self.n, self.m)
-            self._qp.init(H, c, A, b, None, None, None, lower, upper)
-        else:
-            self._qp.update(H=H, g=c, A=A, b=b, l_box=lower, u_box=upper)
-        self._qp.solve()
-        found = self._qp.results
-        x: Vector = np.minimum(np.maximum(found.x, lower), upper)
-        return x, np.array(found.y)
+            self._qp = solver.BACK_END.WarmStart(self.n, self.m)
+        x, y = self._qp(H, c, A, b, lower, upper)
+        return np.minimum(np.maximum(x, lower), upper), y
 
 
 def certified(

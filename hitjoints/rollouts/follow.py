@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 import pinocchio as pin
 
-from hitjoints.dynamics.inertia import inertia_along
-from hitjoints.dynamics.kinematics import jacobian, position
+from hitjoints.dynamics.contact_point import ContactPoint
 from hitjoints.errors import InfeasibleError
 from hitjoints.hit import Hit
 from hitjoints.hitting.approach import Approach
@@ -83,13 +82,12 @@ def rollout(
         torque_limits=torque_limits,
         seed=seed,
     )
-    contact, h = robot.contact(hit.chosen_contact), hit.direction
     controller = Controller(
         robot,
         hit,
         found.q_hit,
         dt=dt,
-        inertia=inertia_along(robot, found.q_hit, contact, h),
+        inertia=ContactPoint(robot, hit.chosen_contact).inertia(found.q_hit, hit.direction),
         reference=reference,
         law=law,
         weighting=weighting,
@@ -123,17 +121,18 @@ def rollout(
 
 def _follow_through(control: Controller, q: Array, qd: Array) -> list[tuple[Array, Step]]:
     """Return the steps from the impact to rest, all joints slowing down together."""
-    robot, rows, h = control.robot, [], control.direction
+    rows: list[tuple[Array, Step]] = []
+    h = control.direction
     count = math.ceil(FOLLOW_THROUGH / control.dt)
     for i in range(1, LONGEST * count):
         if not qd.any():
             break
         left = max(count - i, 0)
         qd, safe = control.slower(q, qd, left / (left + 1))
-        here = position(robot, q, control.contact)
-        along = float(h @ jacobian(robot, q, control.contact) @ qd)
+        here = control.point.position(q)
+        along = float(h @ control.point.jacobian(q) @ qd)
         try:
-            inertia = inertia_along(robot, q, control.contact, h)
+            inertia = control.point.inertia(q, h)
         except InfeasibleError:
             break
         flux = control.hit.flux_of(inertia, along)

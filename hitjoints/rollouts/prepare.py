@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from hitjoints.dynamics.inertia import inertia_along
-from hitjoints.dynamics.kinematics import position
+from hitjoints.dynamics.contact_point import ContactPoint
 from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.planning.planner import plan
+from hitjoints.planning.start import plan_start
 from hitjoints.programs.joint_velocity import WITHIN_REACH
 from hitjoints.quantities import hitting_speed, place_joint
 from hitjoints.tolerances import exceeds, told_apart
@@ -65,49 +66,46 @@ def prepare(
         InfeasibleError: the object is out of reach, the flux is beyond the maximum (which `data`
             holds as `maximum_flux`), or there is no run-up.
     """
-    contact, target = robot.contact(hit.chosen_contact), hit.position
+    point = ContactPoint(robot, hit.chosen_contact)
     if q0 is not None:
         if start is not None:
             raise InputError("start", start, "give a start position or q0, not both")
         begin = robot.within_limits(q0, "q0")
-        end = placed(robot, contact, target, begin) if q_hit is None else q_hit
-        return Preparation(_behind(robot, hit, begin, "q0"), _at_object(robot, hit, end))
+        end = placed(robot, point.contact, hit.position, begin) if q_hit is None else q_hit
+        return Preparation(_behind(point, hit, begin, "q0"), _at_object(point, hit, end))
     if q_hit is None:
-        q_hit, found = _planned(robot, hit, run_up, torque_limits, seed)
+        q_hit, found = _planned(point, hit, run_up, torque_limits, seed)
         if start is None:
             return Preparation(found.q, q_hit)
-    q_hit = _at_object(robot, hit, q_hit)
+    q_hit = _at_object(point, hit, q_hit)
     if start is not None:
-        begin = placed(robot, contact, points(start, "start"), q_hit)
-        return Preparation(_behind(robot, hit, begin, "start"), q_hit)
-    _refuse_flux(robot, hit, q_hit)
-    found = _start(robot, hit, q_hit, run_up, torque_limits)
+        begin = placed(robot, point.contact, points(start, "start"), q_hit)
+        return Preparation(_behind(point, hit, begin, "start"), q_hit)
+    _refuse_flux(point, hit, q_hit)
+    found = _start(point, hit, q_hit, run_up, torque_limits)
     if not found.feasible:
         raise InfeasibleError(found.reason, {"run_up": found.run_up})
     return Preparation(found.q, q_hit)
 
 
 def _planned(
-    robot: Robot, hit: Hit, run_up: float | None, torque_limits: bool, seed: int
+    point: ContactPoint, hit: Hit, run_up: float | None, torque_limits: bool, seed: int
 ) -> tuple[Array, Start]:
     """Return the hitting configuration of greatest straight flux that has a run-up, and that."""
-    # The planner is a floor above; a rollout without a start is the one that asks it for one.
-    from hitjoints.planning.planner import plan
-
     starts: list[Start] = []
 
     def has_run_up(q: Array) -> bool:
         if not starts:
-            _refuse_flux(robot, hit, q)  # the first is the best: none has more
-        starts.append(_start(robot, hit, q, run_up, torque_limits))
+            _refuse_flux(point, hit, q)  # the first is the best: none has more
+        starts.append(_start(point, hit, q, run_up, torque_limits))
         return starts[-1].feasible or len(starts) >= TRIES
 
     planned = plan(
-        robot,
+        point.robot,
         hit.position,
         hit.direction,
         hit.mass,
-        joints=[hit.chosen_contact],
+        joints=[point.contact],
         objective="straight-flux",
         seed=seed,
         certificate=False,
@@ -122,20 +120,20 @@ def _planned(
     return best.q, starts[-1]
 
 
-def _start(robot: Robot, hit: Hit, q: Array, run_up: float | None, torque_limits: bool) -> Start:
-    from hitjoints.planning.start import plan_start
-
-    contact, h = robot.contact(hit.chosen_contact), hit.direction
+def _start(
+    point: ContactPoint, hit: Hit, q: Array, run_up: float | None, torque_limits: bool
+) -> Start:
+    robot, contact, h = point.robot, point.contact, hit.direction
     straight = hitting_speed(robot, q, contact, h, straight=True)
     # What the controller asks for too: at the very maximum round-off decides if there is a way.
-    speed = min(hit.speed(inertia_along(robot, q, contact, h)), WITHIN_REACH * straight)
+    speed = min(hit.speed(point.inertia(q, h)), WITHIN_REACH * straight)
     return plan_start(robot, q, contact, h, speed, run_up=run_up, torque_limits=torque_limits)
 
 
-def _refuse_flux(robot: Robot, hit: Hit, q: Array) -> None:
-    contact, h = robot.contact(hit.chosen_contact), hit.direction
+def _refuse_flux(point: ContactPoint, hit: Hit, q: Array) -> None:
+    robot, contact, h = point.robot, point.contact, hit.direction
     straight = hitting_speed(robot, q, contact, h, straight=True)
-    most = hit.flux_of(inertia_along(robot, q, contact, h), straight)
+    most = hit.flux_of(point.inertia(q, h), straight)
     if exceeds(hit.desired_flux, most):
         wish, limit = told_apart(hit.desired_flux, most)
         raise InfeasibleError(
@@ -162,16 +160,16 @@ def placed(robot: Robot, contact: Contact, where: Array, near: ArrayLike) -> Arr
     return np.array(found.q[0])
 
 
-def _at_object(robot: Robot, hit: Hit, q: ArrayLike) -> Array:
-    q = robot.within_limits(q, "q_hit")
-    error = float(np.linalg.norm(position(robot, q, hit.chosen_contact) - hit.position))
+def _at_object(point: ContactPoint, hit: Hit, q: ArrayLike) -> Array:
+    q = point.robot.within_limits(q, "q_hit")
+    error = float(np.linalg.norm(point.position(q) - hit.position))
     if error > AT_THE_OBJECT:
         raise InputError("q_hit", q.tolist(), f"it holds the contact {error:.3g} m off the object")
     return q
 
 
-def _behind(robot: Robot, hit: Hit, q: Array, argument: str) -> Array:
-    here = position(robot, q, hit.chosen_contact)
+def _behind(point: ContactPoint, hit: Hit, q: Array, argument: str) -> Array:
+    here = point.position(q)
     ahead = float(hit.direction @ (hit.position - here))
     if ahead <= 0:
         expected = f"the contact starts {-ahead:.3g} m beyond the object; it must start behind it"

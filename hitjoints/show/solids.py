@@ -8,7 +8,6 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.dynamics.kinematics import position
-from hitjoints.errors import ModelError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,21 +37,17 @@ class Solid(NamedTuple):
 
 
 def solids(robot: Robot) -> list[Solid]:
-    """Return the collision shapes of an arm, or a bar per link if it has none.
-
-    Raises:
-        ModelError: a shape is of a kind that cannot be drawn, or cannot be read.
-    """
-    objects = robot.collision_model.geometryObjects
-    if not len(objects):
+    """Return the collision shapes of an arm, or a bar per link if it has none that can be read."""
+    if robot.shape_faults or not robot.collision_model.ngeoms:
         return _bars(robot)
+    objects = robot.collision_model.geometryObjects
     return [
-        Solid(str(one.name), int(one.parentJoint), one.placement, *_triangles(robot, one))
+        Solid(str(one.name), int(one.parentJoint), one.placement, *_triangles(one))
         for one in objects
     ]
 
 
-def _triangles(robot: Robot, shape: Any) -> tuple[Array, NDArray[np.int64]]:
+def _triangles(shape: Any) -> tuple[Array, NDArray[np.int64]]:
     import trimesh
 
     kind, it = type(shape.geometry).__name__, shape.geometry
@@ -65,11 +60,9 @@ def _triangles(robot: Robot, shape: Any) -> tuple[Array, NDArray[np.int64]]:
     elif kind == "Capsule":
         mesh = trimesh.creation.capsule(2 * it.halfLength, it.radius, count=[SECTIONS, SECTIONS])
         mesh.apply_translation([0, 0, -mesh.bounds.mean(axis=0)[2]])
-    elif kind.startswith("BVHModel"):
+    else:
         faces = [[int(it.tri_indices(i)[k]) for k in range(3)] for i in range(it.num_tris)]
         return np.array(it.vertices()), np.array(faces)
-    else:
-        raise ModelError(robot.name, f"its shape {shape.name} is a {kind}, which is not drawn")
     return np.asarray(mesh.vertices), np.asarray(mesh.faces)
 
 

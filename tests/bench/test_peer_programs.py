@@ -13,7 +13,7 @@ from benchmarks.programs import (
     optimal,
     straight_speed,
 )
-from hitjoints.programs.proxqp import solve
+from hitjoints.programs.solver import solve
 
 MODULES = {
     programs.Highs: "scipy",

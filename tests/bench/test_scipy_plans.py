@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from benchmarks.peers import scipy_plans
-from benchmarks.peers.scipy_plans import SciPyPlanner
 from benchmarks.planning import DIRECTION, JOINT, MASS, POSITION, judged, search
+from tests.oracles import scipy_plans
+from tests.oracles.scipy_plans import SciPyPlanner
 
 
 def test_differential_evolution_finds_a_plan_and_none_better(monkeypatch, arm):

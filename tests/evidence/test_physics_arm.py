@@ -7,9 +7,12 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from hitjoints.errors import MissingExtraError
+from hitjoints.errors import MissingExtraError, ModelError
 from hitjoints.evidence.physics.engine_arm import arm_spec, link_name
+from hitjoints.evidence.physics.engine_scene import ImpactState, build_scene
+from hitjoints.evidence.physics.setting import Setting
 from hitjoints.loading.load import load_robot
+from hitjoints.model.robot import Contact
 
 
 def judge(robot, *, close=1e-10):
@@ -73,3 +76,12 @@ def test_without_mujoco_the_install_line_is_told(arm, monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(MissingExtraError, match=r"pip install 'hitjoints\[sim\]'"):
         arm_spec(arm("iiwa14"))
+
+
+@pytest.mark.filterwarnings("ignore::hitjoints.loading.load.ModelWarning")
+def test_inertia_that_no_body_has_is_refused_in_a_line(urdf):
+    flat = urdf.two_links().replace('ixx="', 'ixx="9', 1)
+    robot = urdf.load(flat)
+    impact = ImpactState(Contact(2), np.eye(3)[1], 1.0, np.zeros(2), np.zeros(2), np.zeros(3))
+    with pytest.raises(ModelError, match=r"engine refuses it .inertia must satisfy A . B >= C"):
+        build_scene(robot, impact, Setting())

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import hitjoints as hj
-from benchmarks.synthetic_recordings import HEADER, OBJECT_HEADER, Truth, write_recording
+from tests.oracles.synthetic_recordings import HEADER, OBJECT_HEADER, Truth, write_recording
 
 NAMES, OBJECT_NAMES = HEADER.split(","), OBJECT_HEADER.split(",")
 

@@ -12,9 +12,9 @@ import xarray as xr
 
 import hitjoints as hj
 from benchmarks.recordings import measure, write_recordings
-from benchmarks.synthetic_recordings import GRAVITY, Truth, write_recording
 from hitjoints.datasets.files import write_dataset
 from hitjoints.evidence.recordings.dataset import NUMBERS, TEXTS, hits_dataset
+from tests.oracles.synthetic_recordings import GRAVITY, Truth, write_recording
 
 ROW, LATCH = 0.005, 0.04
 TRUTHS = [

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import hitjoints as hj
-from hitjoints.dynamics.observation import observe
+from hitjoints.dynamics.contact_point import ContactPoint
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.hit import Hit
 from hitjoints.hitting.controller import Controller, Gains
@@ -71,7 +71,7 @@ def test_an_impossible_flux_is_reported_and_the_limits_hold(robot):
 
 def test_observe_agrees_with_the_quantities(robot):
     contact = hj.Contact(6, (0.05, -0.02, 0.1))
-    seen = observe(robot, Q, contact, ALONG)
+    seen = ContactPoint(robot, contact).observe(Q, ALONG)
     np.testing.assert_allclose(seen.position, hj.position(robot, Q, contact), atol=1e-15)
     np.testing.assert_allclose(seen.J, hj.jacobian(robot, Q, contact), atol=1e-15)
 

@@ -158,3 +158,9 @@ def test_questions_without_an_answer():
     backward = HittingField([0, 0, 0], [0, 0, 1e-3], 1e-3, leaning)
     with pytest.raises(InfeasibleError, match="does not bring"):
         backward.predicted_miss([0.0, -50.0, -1e-3])
+
+
+@pytest.mark.parametrize("aside", [0.0, 0.02])
+def test_a_start_on_the_plane_of_the_target_misses_by_where_it_is(aside):
+    field = HittingField((0.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    assert field.predicted_miss((aside, 0.0, 0.0)) == pytest.approx(aside)

@@ -6,13 +6,19 @@ import numpy as np
 import pytest
 
 import hitjoints as hj
-from benchmarks.control import broken_limits, failure, feasible_hits, random_rollouts, tracking
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.hit import Hit
 from hitjoints.hitting.approach import Impact, crossing, why_no_hit
 from hitjoints.hitting.controller import Controller
 from hitjoints.rollouts.follow import rollout
 from hitjoints.rollouts.prepare import prepare
+from tests.oracles.random_rollouts import (
+    broken_limits,
+    failure,
+    feasible_hits,
+    random_rollouts,
+    tracking,
+)
 
 OBJECT, ALONG = np.array([0.5, 0.3, 0.5]), np.array([0.0, 1.0, 0.0])
 Q0 = np.array([-0.34, 1.41, -1.38, 1.6, 0.48, 1.97, 1.32])

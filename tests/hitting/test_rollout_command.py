@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import csv
-import importlib
 import json
 
 import numpy as np
 import pytest
-import typer
 import xarray as xr
 
 from hitjoints.cli import main
-from hitjoints.cli.plan import plan
-from hitjoints.cli.rollout import rollout
 
 IMPACT = {
     "time", "position", "miss", "direction_error", "inertia", "desired_inertia", "speed", "flux",
@@ -26,12 +22,8 @@ KEYS = {
 
 
 @pytest.fixture
-def run(capsys, monkeypatch):
+def run(capsys):
     """Run one of the two commands as the `hitjoints` script does: (code, stdout, stderr)."""
-    app = typer.Typer()
-    app.command("plan")(plan)
-    app.command("rollout")(rollout)
-    monkeypatch.setattr(importlib.import_module("hitjoints.cli.app"), "app", app)
 
     def call(*arguments):
         with pytest.raises(SystemExit) as leaving:

@@ -10,7 +10,6 @@ import pytest
 from scipy.optimize import minimize
 
 import hitjoints as hj
-from benchmarks.control import broken_limits, random_rollouts
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.hit import Hit
 from hitjoints.hitting.braking import Brake
@@ -19,6 +18,7 @@ from hitjoints.hitting.stopping import stopping_rate, stopping_speed
 from hitjoints.hitting.torque_limits import TorqueLimits
 from hitjoints.programs.hitting_speed import step_bounds
 from hitjoints.rollouts.follow import rollout
+from tests.oracles.random_rollouts import broken_limits, random_rollouts
 
 OBJECT, ALONG = np.array([0.5, 0.3, 0.5]), np.array([0.0, 1.0, 0.0])
 

@@ -17,7 +17,7 @@ from hitjoints.programs.joint_velocity import (
     unbounded_flux,
 )
 from hitjoints.programs.problem import Program
-from hitjoints.programs.proxqp import solve
+from hitjoints.programs.solver import solve
 from hitjoints.programs.warm import WarmProgram
 from hitjoints.vectors import unit
 

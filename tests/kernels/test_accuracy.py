@@ -11,7 +11,7 @@ from hitjoints.errors import InputError, KernelMismatchError, ModelError
 from hitjoints.kernels import Chain, build_kernel
 from hitjoints.kernels.formulas.links import TracedArm
 from hitjoints.kernels.formulas.mass_matrix import Factor, mass_matrix
-from hitjoints.kernels.verify import PinocchioAnswers
+from hitjoints.kernels.reference import PinocchioAnswers
 
 OUTPUTS = ("inertia", "gradient", "position", "jacobian", "mobility_gradient", "response")
 NAMED = {"iiwa14": arms.iiwa14, "iiwa7": arms.iiwa7, "panda": arms.panda, "xarm7": arms.xarm7}
@@ -21,7 +21,7 @@ def compare(model, contact, count, backend):
     q, h = arms.configurations(model, count), arms.directions(count)
     result = build_kernel(model, [contact], OUTPUTS, backend)(q, h)
     data = model.createData()
-    reference = [PinocchioAnswers.at(model, data, q[i], contact, h[i]) for i in range(count)]
+    reference = [PinocchioAnswers(model, data, q[i], contact, h[i]) for i in range(count)]
     inertia = 1.0 / np.array([r.mobility for r in reference])
     gradient = -(inertia[:, None] ** 2) * np.array([r.mobility_gradient for r in reference])
     size = np.maximum(inertia, np.abs(gradient).max(axis=1))

@@ -8,7 +8,7 @@ import pytest
 
 from hitjoints.errors import InputError
 from hitjoints.kernels import build_kernel
-from hitjoints.kernels.formulas.outputs import OUTPUT_SHAPES
+from hitjoints.kernels.outputs import OUTPUTS
 from hitjoints.kernels.tape import backends
 
 H = np.array([0.0, 1.0, 0.0])
@@ -21,7 +21,7 @@ def test_backends_agree(make, shared):
     q = arms.configurations(make(), 3001)
     h = H if shared else arms.directions(3001)
     llvm, plain = (
-        build_kernel(make(), CONTACTS, tuple(OUTPUT_SHAPES), name)(q, h, 2.0)
+        build_kernel(make(), CONTACTS, tuple(OUTPUTS), name)(q, h, 2.0)
         for name in ("llvm", "numpy")
     )
     for name, values in llvm.items():

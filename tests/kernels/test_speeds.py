@@ -6,7 +6,7 @@ import pytest
 from scipy.optimize import linprog
 
 from hitjoints.kernels import build_kernel
-from hitjoints.kernels.verify import straight_optimum
+from hitjoints.kernels.reference import straight_optimum
 
 
 def fastest(J, h, low, high, straight):

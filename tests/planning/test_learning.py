@@ -49,6 +49,14 @@ def test_the_probability_answers_the_exact_question(learnt, held_out):
     assert np.mean((found - truth) ** 2) < 0.4 * guess * (1 - guess)
 
 
+def test_the_probability_falls_with_flux(learnt, held_out):
+    at, h, _ = held_out
+    asked = np.linspace(0.0, 6.0, 301)
+    each = np.array([learnt.probability(at, h, flux) for flux in asked])
+    assert (np.diff(each, axis=0) <= 0).all()
+    assert each[0].max() > 0.99
+
+
 def test_out_of_reach_and_out_of_power(learnt):
     assert learnt.probability([2.0, 0.0, 0.5], [0, 1, 0], 0.3) < 0.05
     assert learnt.probability([0.5, 0.0, 0.5], [0, 1, 0], 5.0) < 0.05

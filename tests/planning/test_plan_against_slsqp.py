@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import hitjoints as hj
-from benchmarks.peers.scipy_plans import SciPyPlanner
 from hitjoints.planning.planner import RANKED_BY, plan
+from tests.oracles.scipy_plans import SciPyPlanner
 
 ROBOTS = ("iiwa14", "iiwa7", "panda")
 OBJECTIVES = ("inertia", "flux", "straight-flux", "rebound")

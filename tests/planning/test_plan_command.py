@@ -8,6 +8,7 @@ import typer
 from typer.testing import CliRunner
 
 import hitjoints as hj
+from hitjoints.cli.option_groups import grouped
 from hitjoints.cli.plan import plan
 
 KEYS = {
@@ -15,7 +16,7 @@ KEYS = {
     "flux", "straight_flux", "away", "evidence",
 }  # fmt: skip
 app = typer.Typer()
-app.command()(plan)
+app.command()(grouped(plan))
 
 
 def run(*arguments):

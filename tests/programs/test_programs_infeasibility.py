@@ -7,9 +7,9 @@ import pytest
 
 from hitjoints.errors import InfeasibleError
 from hitjoints.programs.hitting_speed import build_hitting_speed
-from hitjoints.programs.infeasibility import show_infeasible, verify
+from hitjoints.programs.infeasibility import verify
 from hitjoints.programs.problem import Program
-from hitjoints.programs.proxqp import solve
+from hitjoints.programs.solver import show_infeasible, solve
 
 TIME = 5e-3  # s of this thread (machines are shared), for the median and, best of three, for each
 

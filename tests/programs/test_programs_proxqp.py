@@ -8,7 +8,7 @@ from scipy.optimize import brentq, linprog
 from hitjoints.errors import InfeasibleError, SolverError
 from hitjoints.programs import proxqp
 from hitjoints.programs.problem import Program, residuals
-from hitjoints.programs.proxqp import CERTIFIED, solve
+from hitjoints.programs.solver import CERTIFIED, solve
 
 TOLERANCES = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
 

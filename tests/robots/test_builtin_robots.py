@@ -10,8 +10,10 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from hitjoints.loading.catalogue import robot_names
 from hitjoints.loading.check import check_arm
-from hitjoints.loading.load import describe, load_robot, robot_names
+from hitjoints.loading.load import load_robot, read_arm
+from hitjoints.loading.source import describe
 
 OWN = ["iiwa14", "iiwa14_bullet", "iiwa7"]
 ALL = [*OWN, "panda", "xarm7"]
@@ -28,7 +30,7 @@ def numbers(text):
 
 
 def test_names():
-    assert robot_names() == sorted(ALL)
+    assert list(robot_names()) == sorted(ALL)
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -47,7 +49,7 @@ def test_loads_without_a_warning(name):
     assert (robot.velocity_upper > 0).all()
     np.testing.assert_array_equal(robot.velocity_lower, -robot.velocity_upper)
     np.testing.assert_array_equal(robot.model.armature, 0)
-    assert all(issue.severity != "error" for issue in check_arm(describe(name).arm, robot))
+    assert all(issue.severity != "error" for issue in check_arm(read_arm(describe(name)), robot))
 
 
 @pytest.mark.parametrize("name", OWN)
@@ -101,7 +103,7 @@ def test_urdf_text_holds_the_published_numbers(name):
 
 @pytest.mark.parametrize("name", OWN)
 def test_base_and_flange_carry_no_inertia(name):
-    links = {link.name: link for link in describe(name).arm.links}
+    links = {link.name: link for link in read_arm(describe(name)).links}
     for link in ("link_0", "flange"):
         assert links[link].mass == 0
         assert not links[link].inertia.any()

@@ -90,7 +90,34 @@ def test_facts_of_the_drives_are_held_with_their_source_and_change_no_inertia(to
     np.testing.assert_array_equal(getattr(copy, key), [value, 0.25])
 
 
+def test_limits_of_the_toml_go_before_those_of_the_description(toml):
+    robot = toml("velocity = [1.5, 0.5]", "effort = [10, 0]", "position = [[-3, 2], [-inf, inf]]")
+    np.testing.assert_array_equal(robot.velocity_upper, [1.5, 0.5])
+    np.testing.assert_array_equal(robot.velocity_lower, [-1.5, -0.5])
+    np.testing.assert_array_equal(robot.effort, [10, 0])
+    np.testing.assert_array_equal(robot.lower, [-3, -np.inf])
+    np.testing.assert_array_equal(robot.upper, [2, np.inf])
+    np.testing.assert_array_equal(robot.home, [-0.5, 0])
+    assert robot.digest != toml().digest
+
+
+def test_limits_that_the_description_lacks(urdf):
+    urdf.write(urdf.two_links(more=""))
+    text = 'urdf = "small.urdf"\nposition = [[-1, 1], [0, 0.5]]\nvelocity = [1, 2]'
+    robot = load_robot(urdf.write(text, "arm.toml"))
+    np.testing.assert_array_equal(robot.upper, [1, 0.5])
+    np.testing.assert_array_equal(robot.velocity_upper, [1, 2])
+
+
 REFUSED = {
+    "velocity = [1]": "velocity = [1] must be 2 numbers, one per joint",
+    "velocity = [1, -1]": "velocity = [1, -1] must be finite and not negative",
+    "effort = [inf, 1]": "effort = [inf, 1] must be finite and not negative",
+    "effort = [nan, 1]": "must be 2 numbers, one per joint",
+    "position = [-1, 1]": "position = [-1, 1] must be 2 pairs [lower, upper], one per joint",
+    "position = [[1, -1], [0, 1]]": "joint joint_1: position [1, -1] must be a lower and an upper",
+    "position = [[-1, inf], [0, 1]]": "joint joint_1: position [-1, inf] must be a lower",
+    "position = [[1], [1, 2]]": "must be 2 pairs [lower, upper]",
     "acceleration = [1, 2]": "acceleration and acceleration_source belong together",
     'jerk_source = "a book"': "jerk and jerk_source belong together",
     "jerk = [1]": "jerk = [1] must be 2 finite numbers",
@@ -119,7 +146,7 @@ REFUSED = {
     "hitting_joints = 2": "hitting_joints = 2 must be a list",
     "name = 5": "name = 5 must be text",
     'lock = "joint_1"': "lock = 'joint_1' must be a list",
-    "lock = [1]": "lock = [1] must be names of joints",
+    "lock = [1]": "lock = 1: NAME or NAME=VALUE, a joint and the position (rad or m) to hold",
     "home = = 3": "not a TOML file",
 }
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from dataclasses import replace
 
-from hitjoints.loading.load import build_robot, describe, load_robot
+import numpy as np
+
+from hitjoints.loading.load import build_robot, load_robot, read_arm
+from hitjoints.loading.source import describe
 from hitjoints.model.robot import Robot
 
 VARIANTS = ("iiwa14_bullet", "iiwa14", "iiwa14_phantom")
@@ -26,13 +28,10 @@ def phantom_robot() -> Robot:
     The parser lumps it into link 7. `load_robot` would warn of it; here it is made on purpose.
     """
     clean = describe("iiwa14")
-    root = ET.fromstring(clean.arm.xml)
-    flange = root.find("link[@name='flange']")
-    assert flange is not None
-    inertial = ET.SubElement(flange, "inertial")
-    ET.SubElement(inertial, "mass", value=f"{PHANTOM_MASS}")
-    moments = dict.fromkeys(("ixx", "iyy", "izz"), f"{PHANTOM_INERTIA}")
-    ET.SubElement(inertial, "inertia", moments | dict.fromkeys(("ixy", "ixz", "iyz"), "0"))
-    arm = replace(clean.arm, xml=ET.tostring(root, encoding="unicode"))
+    tree = read_arm(clean).tree
+    moments = np.array([PHANTOM_INERTIA] * 3 + [0.0] * 3)
+    flange = replace(tree.bodies["flange"], mass=PHANTOM_MASS, moments=moments, has_inertial=True)
+    tree = replace(tree, bodies={**tree.bodies, "flange": flange})
     facts = {**clean.facts, "title": f"{clean.facts['title']}, phantom inertia at its flange"}
-    return build_robot(replace(clean, name="iiwa14_phantom", arm=arm, facts=facts))
+    spoilt = replace(clean, name="iiwa14_phantom", tree=tree, facts=facts)
+    return build_robot(spoilt, read_arm(spoilt))

@@ -5,11 +5,11 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
-from hitjoints.errors import MissingExtraError, SolverError
+from hitjoints.errors import MissingExtraError, ModelError
 
 
 def engine() -> Any:
-    """Return the module `mujoco`.
+    """Return the module `mujoco`, which keeps its warnings out of files of its own.
 
     Raises:
         MissingExtraError: it is not installed.
@@ -18,26 +18,22 @@ def engine() -> Any:
         mujoco = import_module("mujoco")
     except ImportError:
         raise MissingExtraError("mujoco", "sim") from None
-    # Its warnings would go to MUJOCO_LOG.TXT in the working folder; what they warn of is checked.
     mujoco.set_mju_user_warning(_ignore)
     return mujoco
 
 
-def compiled(spec: Any) -> Any:
-    """Return the engine's model of a scene.
-
-    Args:
-        spec: the scene, `mujoco.MjSpec`.
+def compiled(spec: Any, source: str) -> Any:
+    """Return the model of a scene; `source` is what to call it in messages.
 
     Raises:
-        SolverError: the engine refuses it.
+        ModelError: the engine refuses it, such as a body with moments of inertia that no body has.
     """
     try:
         return spec.compile()
     except ValueError as error:
-        reason = str(error).strip().partition("\n")[0]
-        raise SolverError(f"the engine refuses this scene: {reason}") from None
+        reason = " ".join(str(error).removeprefix("Error: ").split())
+        raise ModelError(source, f"the physics engine refuses it ({reason})") from None
 
 
 def _ignore(_: str) -> None:
-    """Take a warning of the engine's."""
+    """Without this MuJoCo writes MUJOCO_LOG.TXT to the working folder, without end if need be."""

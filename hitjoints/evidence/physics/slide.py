@@ -58,7 +58,7 @@ def slide(impact: ImpactState, setting: Setting, qpos: Array, qvel: Array) -> Sl
     centre = impact.box_centre(setting)
     add_box(spec, centre, impact.axes, impact.mass, setting.size)
     add_table(spec, centre, setting.size, setting.friction)
-    model = compiled(spec)
+    model = compiled(spec, "box")
     data = mujoco.MjData(model)
     data.qpos[:], data.qvel[:] = qpos, qvel
     times, poses, speeds = [0.0], [data.qpos.copy()], [float(h @ data.qvel[:3])]

@@ -12,7 +12,8 @@ import numpy as np
 
 from hitjoints.dynamics.kinematics import position
 from hitjoints.evidence.recordings.csv_table import RecordingError
-from hitjoints.loading.load import load_robot, robot_names
+from hitjoints.loading.catalogue import robot_names
+from hitjoints.loading.load import load_robot
 from hitjoints.model.robot import Contact
 
 if TYPE_CHECKING:

@@ -16,7 +16,8 @@ from hitjoints.evidence.recordings.layout import read_robot
 from hitjoints.evidence.recordings.measure import measure, predict
 from hitjoints.evidence.recordings.motion import model_along
 from hitjoints.evidence.recordings.replayed_hit import ReplayedHit
-from hitjoints.loading.load import load_robot, robot_names
+from hitjoints.loading.catalogue import robot_names
+from hitjoints.loading.load import load_robot
 from hitjoints.model.robot import Contact, Robot
 from hitjoints.vectors import unit
 

@@ -132,6 +132,11 @@ class Chain:
         """Number of joints."""
         return len(self.links)
 
+    @property
+    def has_speed_limits(self) -> bool:
+        """Every joint has a finite velocity limit, both ways."""
+        return all(math.isfinite(v) for link in self.links for v in (link.slowest, link.fastest))
+
     def attach(self, joint: int, offset: Triple) -> tuple[int, Triple]:
         """Where a contact sits: the last joint that moves it, and its place in that link's frame.
 

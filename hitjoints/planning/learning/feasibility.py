@@ -55,11 +55,24 @@ ENDINGS = (".npz",)
 LEAST_SCALE = 1e-3  # of a feature that hardly varies
 NEIGHBOURS = 6  # similar hits whose configurations are tried to better the one of a hit
 ROUNDS = 3  # of that: what is found spreads
+FLUXES = 41  # from 0 to twice the greatest asked about, at which the network is asked
 QUESTIONS = 3  # fluxes asked about per hit of the sweep
 NETWORK: dict[str, Any] = {
     "hidden_layer_sizes": (64, 64), "max_iter": 30, "batch_size": 512,
     "learning_rate_init": 2e-3, "early_stopping": True,
 }  # fmt: skip
+
+
+def _falling(values: Array) -> Array:
+    """Return rows of probabilities (N, K) over rising fluxes so that none rises.
+
+    Who can produce a flux can produce a lesser one; a network does not know. What it says of all
+    lesser fluxes bounds a probability from above, what it says of all greater ones from below:
+    the answer lies in the middle.
+    """
+    least = np.minimum.accumulate(values, axis=1)
+    most = np.maximum.accumulate(values[:, ::-1], axis=1)[:, ::-1]
+    return 0.5 * (least + most)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,12 +124,22 @@ class Feasibility:
         if not np.isfinite(wanted).all():
             raise InputError("flux", flux, "it must be finite")
         rows, _ = features(self.robot, at.reshape(-1, 3), h.reshape(-1, 3))
-        x = np.column_stack([rows, np.broadcast_to(wanted, at.shape[:-1]).ravel()])
+        fluxes = np.linspace(0.0, 4.0 * self.centre[-1], FLUXES)
+        falling = _falling(np.stack([self._network(rows, one) for one in fluxes], axis=1))
+        asked = np.broadcast_to(wanted, at.shape[:-1]).ravel()
+        found = np.array(
+            [np.interp(one, fluxes, row) for one, row in zip(asked, falling, strict=True)]
+        )
+        return found if at.ndim == 2 else float(found[0])
+
+    def _network(self, hits: Array, flux: float) -> Array:
+        """Return what the network says of hits (N, F) and a flux, (N,)."""
+        x = np.column_stack([hits, np.full(len(hits), flux)])
         x = (x - self.centre) / self.scale
         for weights, offsets in zip(self.layers[:-2:2], self.layers[1:-2:2], strict=True):
             x = np.maximum(x @ weights + offsets, 0.0)
-        found = 0.5 * (1.0 + np.tanh(0.5 * (x @ self.layers[-2] + self.layers[-1])[:, 0]))
-        return found if at.ndim == 2 else float(found[0])
+        last = (x @ self.layers[-2] + self.layers[-1])[:, 0]
+        return np.asarray(0.5 * (1.0 + np.tanh(0.5 * last)))
 
     def propose(
         self, position: ArrayLike, direction: ArrayLike, count: int = 16, seed: int = 0

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.kernels.formulas.speeds import lateral
+from hitjoints.planning.objectives.freedom import freedom, is_blind
 from hitjoints.planning.objectives.geometry import Axes, bend
 from hitjoints.planning.objectives.straight import straight_velocities
 from hitjoints.planning.search.climb import Values
 from hitjoints.quantities import kernel_for
+from hitjoints.tolerances import rank_floor
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -60,11 +62,8 @@ class Hit:
 
     @property
     def beyond(self) -> Contact:
-        """The point chi_{k+1} the away condition compares with: the next joint, or the flange."""
-        from hitjoints.model.robot import Contact
-
-        joint = self.contact.joint
-        return Contact(joint + 1) if joint < self.robot.n else self.robot.flange
+        """The point chi_{k+1} the away condition compares with, see `Robot.beyond`."""
+        return self.robot.beyond(self.contact)
 
 
 class HitProblem:
@@ -100,27 +99,24 @@ class HitProblem:
         if self.straight:
             self.lower = np.concatenate((self.lower, self.slowest))
             self.upper = np.concatenate((self.upper, self.fastest))
-        self.equalities = (0 if hit.position is None else 3) + (2 if self.straight else 0)
         self.kernel = kernel_for(robot, (hit.contact,), KERNEL)
         # The points of the away condition, of which the contact itself is known already.
         origin = type(hit.contact)(hit.contact.joint)
         self.ends = (hit.beyond,) if hit.contact == origin else (origin, hit.beyond)
         self.axes = Axes(robot)
-        self.across = np.array(lateral(tuple(hit.direction)), dtype=float)
-        self.across /= np.linalg.norm(self.across, axis=1, keepdims=True)
+        self.blind = is_blind(robot, hit.contact)
+        across = np.array(lateral(tuple(hit.direction)), dtype=float)
+        across /= np.linalg.norm(across, axis=1, keepdims=True)
+        where = np.where(np.isfinite(self.lower[: self.n]), self.lower[: self.n], 0.0)
+        self.freedom = freedom(robot, hit.contact, hit.position, where, hit.direction, across)
+        placed = 0 if hit.position is None else len(self.freedom.seen)
+        self.equalities = placed + (len(self.freedom.sideways) if self.straight else 0)
 
     def start(self, q: Array) -> Array:
         """Return points x for configurations q (N, n)."""
         if not self.straight:
             return q
-        columns = self.kernel(q, self.hit.direction)["jacobian"][0].transpose(0, 2, 1)
-        qd = straight_velocities(
-            columns @ self.hit.direction,
-            self.across @ columns.transpose(0, 2, 1),
-            self.slowest,
-            self.fastest,
-        )
-        return np.concatenate((q, qd), axis=1)
+        return np.concatenate((q, self._straight(self.kernel(q, self.hit.direction))[0]), axis=1)
 
     def screen(self, q: Array) -> tuple[Array, Array]:
         """Return values (N,) and excesses (N,) over the inequalities, without derivatives.
@@ -140,9 +136,7 @@ class HitProblem:
         if self.flux is not None:
             excess = excess + np.maximum(np.log(self.flux) + FLUX_MARGIN - flux, 0.0)
         if self.straight:
-            kernel = kernel_for(hit.robot, (hit.contact,), ("straight_flux",))
-            with np.errstate(divide="ignore"):
-                value = np.log(kernel(q, hit.direction, hit.mass)["straight_flux"][0])
+            value = self._straight_flux(q, found)
         return value, np.where(np.isfinite(value), excess, np.inf)
 
     def evaluate(self, x: Array) -> Values:
@@ -151,20 +145,22 @@ class HitProblem:
         hit, width = self.hit, x.shape[1]
         found = self.kernel(q, hit.direction, threads=1)
         columns = np.ascontiguousarray(found["jacobian"][0].transpose(0, 2, 1))
-        pull = columns @ hit.direction
+        pull = columns @ self.freedom.forward
         residual: list[Array] = []
         slope: list[Array] = []
         if hit.position is not None:
-            residual += list((found["position"][0] - hit.position).T)
-            slope += list(found["jacobian"][0].transpose(1, 0, 2))
+            missed = found["position"][0] - hit.position
+            residual += list((missed @ self.freedom.seen.T).T)
+            slope += list((self.freedom.seen @ found["jacobian"][0]).transpose(1, 0, 2))
         if self.straight:
             qd = x[:, self.n :]
             bent = bend(self.axes.spins(q), columns, qd)
-            for sideways in self.across:
+            for sideways in self.freedom.sideways:
                 row = columns @ sideways
                 residual.append((row * qd).sum(axis=1))
                 slope.append(np.concatenate((bent @ sideways, row), axis=1))
-            value, gradient = self._flux_at(found, pull, bent @ hit.direction, qd)
+            bent = bent @ self.freedom.forward
+            value, gradient = self._flux_at(found, pull, bent, qd)
         elif self.objective == "flux":
             value, gradient = self._flux(q, found, columns, pull)
         elif self.objective == "away":
@@ -173,6 +169,8 @@ class HitProblem:
         else:
             mobility, by = _mobility(found)
             value, gradient = -np.log(mobility), -by / mobility[:, None]
+        if hit.position is not None and self.blind:
+            value = np.where(self.freedom.misses(missed), np.nan, value)
         if hit.away and self.objective != "away":
             gap, gap_by = self._gap(q, found)
             residual.append(gap + AWAY_MARGIN)
@@ -186,6 +184,28 @@ class HitProblem:
             filled[:, i, : part.shape[1]] = part
         residuals = np.stack(residual, axis=1) if residual else np.zeros((len(x), 0))
         return Values(value, gradient, residuals, filled)
+
+    def _straight(self, found: dict[str, Array]) -> tuple[Array, Array]:
+        """Return the velocities (N, n) of the fastest straight motion, and their speed (N,)."""
+        columns = found["jacobian"][0].transpose(0, 2, 1)
+        pull = columns @ self.freedom.forward
+        across = self.freedom.sideways @ found["jacobian"][0]
+        if len(self.freedom.sideways) < 2:
+            across = np.concatenate((across, np.zeros((len(across), 2, self.n))), axis=1)[:, :2]
+        qd = straight_velocities(pull, across, self.slowest, self.fastest)
+        return qd, (pull * qd).sum(axis=1)
+
+    def _straight_flux(self, q: Array, found: dict[str, Array]) -> Array:
+        """Return the logarithm of the greatest straight flux (N,), -inf or nan where it is none."""
+        hit = self.hit
+        if not self.blind:
+            kernel = kernel_for(hit.robot, (hit.contact,), ("straight_flux",))
+            with np.errstate(divide="ignore"):
+                return np.asarray(np.log(kernel(q, hit.direction, hit.mass)["straight_flux"][0]))
+        speed = self._straight(found)[1]
+        least = rank_floor(found["jacobian"][0]) * np.linalg.norm(self.fastest)
+        speed = np.where(speed > least, speed, np.nan)
+        return np.asarray(np.log(speed) - np.log1p(hit.mass * found["mobility"][0]))
 
     def _gap(self, q: Array, found: dict[str, Array]) -> tuple[Array, Array]:
         """Return h . (chi_{k+1} - chi_k) (N,) m and its gradient (N, n)."""
@@ -216,7 +236,7 @@ class HitProblem:
         leaves them.
         """
         qd = np.where(pull > 0, self.fastest, self.slowest)
-        bent = bend(self.axes.spins(q), columns, qd) @ self.hit.direction
+        bent = bend(self.axes.spins(q), columns, qd) @ self.freedom.forward
         value, gradient = self._flux_at(found, pull, bent, qd)
         return value, gradient[:, : self.n]
 

@@ -23,14 +23,14 @@ def straight_velocities(pull: Array, across: Array, lower: Array, upper: Array) 
 
     The dual, min over mu (2,) of the support of the velocity box at g + mu . a, is attained where
     the reduced speeds of two joints vanish, or of more: those of the three joints of a spherical
-    shoulder always vanish together. They balance the lateral motion of the others, which sit on
-    the bound their sign asks for. What rounding or the bounds leave of it has to be corrected by
-    who uses the velocity.
+    shoulder always vanish together; of one joint, where all lateral motion is along one line. They
+    balance the lateral motion of the others, which sit on the bound their sign asks for. What
+    rounding or the bounds leave of it has to be corrected by who uses the velocity.
 
     Args:
         pull: (N, n) m/rad, g = J^T h.
         across: (N, 2, n) m/rad, the lateral rows a = B^T J.
-        lower, upper: (n,) rad/s.
+        lower, upper: (n,) rad/s, or (N, n).
     """
     rows, n = pull.shape
     pairs = np.array(list(combinations(range(n), 2)), dtype=int).reshape(-1, 2)
@@ -43,12 +43,18 @@ def straight_velocities(pull: Array, across: Array, lower: Array, upper: Array) 
     mu = np.stack(
         ((g2 * first[:, 1] - g1 * second[:, 1]), (g1 * second[:, 0] - g2 * first[:, 0])), axis=-1
     ) * scale[:, :, None]  # fmt: skip
+    if not (len(pairs) and usable.any(axis=1).all()):
+        # Sideways all joints move the contact along one line, or not at all.
+        square = (across**2).sum(axis=1)
+        moving = square > 0
+        single = across * (-pull / np.where(moving, square, 1.0))[:, None, :]
+        mu = np.concatenate((mu, single.transpose(0, 2, 1), np.zeros((rows, 1, 2))), axis=1)
+        usable = np.concatenate((usable, moving, np.ones((rows, 1), dtype=bool)), axis=1)
     reduced = pull[:, None, :] + mu @ across
-    dual = np.maximum(reduced * upper, reduced * lower).sum(axis=2)
-    chosen = pull
-    if len(pairs):  # a single joint balances nothing
-        best = np.argmin(np.where(usable, dual, np.inf), axis=1)
-        chosen = reduced[np.arange(rows), best]
+    low, high = np.atleast_2d(lower)[:, None, :], np.atleast_2d(upper)[:, None, :]
+    dual = np.maximum(reduced * high, reduced * low).sum(axis=2)
+    best = np.argmin(np.where(usable, dual, np.inf), axis=1)
+    chosen = reduced[np.arange(rows), best]
     size = np.abs(pull).max(axis=1, initial=0.0, keepdims=True)
     balancing = np.abs(chosen) <= LEVEL * size
     qd = np.where(chosen > 0, upper, lower)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.kernels import Chain, Interval
+from hitjoints.kernels.formulas.hit_formulas import HitFormulas
 from hitjoints.kernels.formulas.links import TracedArm, dot, minus
 from hitjoints.kernels.formulas.mass_matrix import (
     Factor,
@@ -22,7 +23,6 @@ from hitjoints.kernels.formulas.mass_matrix import (
     mobility_gradient,
     twice_kinetic_energy,
 )
-from hitjoints.kernels.formulas.outputs import HitFormulas
 from hitjoints.kernels.tape.interval_backend import IntervalProgram
 from hitjoints.kernels.tape.trace import Scalar, Tracer
 from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN, LEAST_MOBILITY
@@ -101,8 +101,10 @@ def certify(hit: Hit, q: Array, joints: tuple[int, ...] | None = None) -> Certif
         todo = admissible & (upper > (1.0 + GAP) * found)
         done = admissible & ~todo
         closed = max(closed, float(upper[done].max(initial=0.0)))
-        upper = upper[todo]
-        low, high = _cut(low[todo], high[todo], reduction[todo])
+        upper, low, high = upper[todo], low[todo], high[todo]
+        if not len(at):
+            break  # no joint to cut by: what rounding leaves open stays open
+        low, high = _cut(low, high, reduction[todo])
     bounded = max(closed, float(upper.max(initial=0.0)) if len(low) else 0.0)
     return Certificate(
         found,

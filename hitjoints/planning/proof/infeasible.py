@@ -11,6 +11,7 @@ from hitjoints.kernels import Chain
 from hitjoints.planning.candidates import Candidate, away_gap
 from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN
 from hitjoints.planning.proof.exclusion import exclude
+from hitjoints.planning.words import told_apart, vector
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+MOST_COMPARED = 64
 TOGETHER = 1e-9  # m: origins closer than this are one point
 
 
@@ -33,18 +35,24 @@ def unreachable(hit: Hit, placed: Placement, prove: bool) -> Candidate:
     pivot, reach = reach_ball(hit)
     away = float(np.linalg.norm(target - pivot))
     certified = away > reach
+    where = f"({vector(target)})"
+    found = f"the closest that {len(placed.q)} inverse kinematics searches found is {error:.4g} m"
     if certified:
-        how = (
-            f"certified: {away:.4g} m from ({_vector(pivot)}), from where its links reach "
-            f"{reach:.4g} m"
+        least, most = told_apart(reach, away)
+        reason = (
+            f"joint {joint} stays at least {away - reach:.4g} m away from {where} (certified: it "
+            f"is {most} m from ({vector(pivot)}), from where the links reach {least} m); {found}"
         )
     else:
-        how = f"the closest of {len(placed.q)} inverse kinematics searches"
+        reason = f"joint {joint} was not brought to {where}; {found} away"
         proof = exclude(hit, away=False) if prove else None
         if proof is not None and proof.proved:
             certified = True
-            how = f"certified: {proof.boxes} boxes, all of its configurations, excluded"
-    reason = f"unreachable: joint {joint} stays {error:.4g} m away from ({_vector(target)}) ({how})"
+            reason = (
+                f"joint {joint} does not get to {where} (certified: {proof.boxes} boxes, all of "
+                f"its configurations, excluded); {found} away"
+            )
+    reason = f"unreachable: {reason}"
     return _refused(hit, reason, certified, placed.q[nearest], position_error=error)
 
 
@@ -61,7 +69,7 @@ def fixed(hit: Hit) -> Candidate:
     here = position(hit.robot, q, hit.contact)
     reason = (
         f"infeasible direction: joint {joint} cannot move at all: no joint of the arm moves its "
-        f"origin from ({_vector(here)})"
+        f"origin from ({vector(here)})"
     )
     error = float(np.linalg.norm(here - hit.position))
     return _refused(hit, reason, True, q, position_error=error)
@@ -84,56 +92,74 @@ def reach_ball(hit: Hit) -> tuple[Array, float]:
 
 
 def immobile(hit: Hit, q: Array) -> Candidate:
-    """Say which directions the contact can be hit along, where it can be placed at all."""
+    """Say which directions the contact can be hit along, where it can be placed at all.
+
+    Where it moves along the direction asked for, that is not what is in the way.
+    """
     directions = feasible_directions(hit.robot, q, hit.contact)
     basis = directions.basis
     along = basis @ (basis.T @ hit.direction)
     length = float(np.linalg.norm(along))
     nearest = None if length < 1e-6 else along / length
-    hint = "" if nearest is None else f"; the nearest direction it can is ({_vector(nearest)})"
+    hint = "" if nearest is None else f"; the nearest direction it can is ({vector(nearest)})"
+    if directions.contain(hit.direction):
+        reason = (
+            f"not found: joint {hit.contact.joint} can be placed at the object and move along "
+            f"({vector(hit.direction)}) there, but no configuration that was tried meets all "
+            f"conditions"
+        )
+        return _refused(hit, reason, False, q, rank=directions.rank)
     reason = (
         f"infeasible direction: joint {hit.contact.joint} cannot move along "
-        f"({_vector(hit.direction)}) there: its Jacobian has rank {directions.rank}, "
+        f"({vector(hit.direction)}) there: its Jacobian has rank {directions.rank}, "
         f"it moves in {directions.description}{hint}"
     )
     return _refused(hit, reason, False, q, direction=nearest, rank=directions.rank)
 
 
-def pointed_at(hit: Hit, found: Found, prove: bool) -> Candidate:
+def pointed_at(hit: Hit, found: Found, placed: Array, prove: bool) -> Candidate:
     """Say how far the distal links are from pointing away, at best.
 
     Args:
         hit: what is asked.
         found: the search for the least h . (chi_{k+1} - chi_k).
+        placed: (N, n) rad, configurations with the contact at the object.
         prove: try to exclude every configuration by branch and bound.
     """
-    joint, q = hit.contact.joint, found.x[0]
-    gap = away_gap(hit, q)
-    following = f"joint {joint + 1}" if joint < hit.robot.n else "the flange"
+    joint = hit.contact.joint
+    known = np.concatenate((found.x, placed))
+    gaps = [away_gap(hit, q) for q in known[: len(found.x) + MOST_COMPARED]]
+    nearest = int(np.argmin(gaps))
+    q, gap = known[nearest], gaps[nearest]
+    beyond = hit.beyond
+    next_origin = beyond.joint > joint and not any(beyond.offset)
+    following = f"joint {beyond.joint}" if next_origin else "the flange"
     certified = abs(gap) < TOGETHER and _share_origin(hit)
     if certified:
         why = f"the origins of joint {joint} and {following} coincide, so no link points away"
     else:
-        why = (
-            f"{following} lies at least {gap:.4g} m ahead of joint {joint} along the direction "
-            f"whatever the arm does"
+        least = (
+            f"the least found is {gap:.4g} m ahead, by {found.samples} configurations and "
+            f"{found.restarts.size} independent searches"
         )
+        why = f"{following} was not found behind joint {joint} along the direction: {least}"
         proof = exclude(hit, away=True) if prove else None
         if proof is not None and proof.proved:
             certified = True
-            why += f" (certified: {proof.boxes} boxes, all of its configurations, excluded)"
-        else:
-            searches = f"{found.restarts.size} independent searches"
-            why += f", over {found.samples} configurations and {searches}"
+            why = (
+                f"{following} is never behind joint {joint} along the direction (certified: "
+                f"{proof.boxes} boxes, all of its configurations, excluded); {least}"
+            )
     return _refused(hit, f"away condition impossible: {why}", certified, q, away_gap=gap)
 
 
 def short_of_flux(hit: Hit, flux: float, found: Found) -> Candidate:
     """Say what the greatest flux is."""
     most = float(np.exp(found.value[0]))
+    reached, asked = told_apart(most, flux)
     reason = (
-        f"flux beyond the maximum: joint {hit.contact.joint} reaches {most:.4g} m/s of the "
-        f"{flux:.4g} m/s asked for"
+        f"flux beyond the maximum: joint {hit.contact.joint} reaches {reached} m/s of the "
+        f"{asked} m/s asked for"
     )
     return _refused(hit, reason, False, found.x[0], flux=most)
 
@@ -162,7 +188,3 @@ def _refused(hit: Hit, reason: str, certified: bool, q: Array, **nearest: Any) -
 def points_away(found: Found) -> bool:
     """Tell whether a search for the least h . (chi_{k+1} - chi_k) met the away condition."""
     return bool(found.value.size) and bool(-found.value[0] <= -AWAY_MARGIN)
-
-
-def _vector(values: Any) -> str:
-    return ", ".join(f"{value:.4g}" for value in values)

@@ -44,18 +44,18 @@ class Surroundings:
 
     def report(
         self, robot: Robot, q: NDArray[np.float64], contact: Contact, h: NDArray[np.float64]
-    ) -> dict[str, Any] | None:
-        """Return the clearance by name; None for a robot without shapes of which none was asked.
+    ) -> dict[str, Any]:
+        """Return the clearance by name, or `{"not_known": reason}` if nothing was asked for.
 
         Raises:
-            ModelError: the robot has no collision shapes, and something was asked for.
+            ModelError: the shapes are missing or cannot be read, and something was asked for.
         """
         try:
             return self.clearance(robot, q, contact, h).as_dict()
-        except ModelError:
+        except ModelError as error:
             if self.asked_for:
                 raise
-            return None
+            return {"not_known": error.reason}
 
     def clearance(
         self, robot: Robot, q: NDArray[np.float64], contact: Contact, h: NDArray[np.float64]

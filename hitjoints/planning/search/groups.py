@@ -1,12 +1,13 @@
 """The global search: sample, climb from diverse starts, hop from the best, in independent groups.
 
 Each group draws its own samples and never sees the others' results, so that their agreement is
-evidence: several searches that end at the same value have probably found the global optimum, and
-the groups go on hopping, a bounded number of rounds, while they do not agree.
+evidence: several searches that end at the same value have probably found the global optimum. The
+groups go on hopping, a bounded number of rounds, until all agree twice in turn.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -24,10 +25,10 @@ if TYPE_CHECKING:
 
 GROUPS = 4
 SAMPLES = 512  # per group
-STARTS = 32  # per group and climb; half as many where qd doubles the variables
+STARTS, STRAIGHT_STARTS = 32, 24  # per group and climb; fewer where qd doubles the variables
 KEPT = 3  # optima per group that hops start from
 VARIANTS = 48  # per optimum
-ROUNDS = (1, 3)  # of hops: always, and at most while the groups disagree
+ROUNDS = 4  # of hops, at most; until all groups agree twice in turn
 POOLED = 2  # rounds of hops after that, from the optima of all groups
 AGREE = 5e-5  # relative
 PROBES = 64  # samples that tell which joints matter
@@ -47,7 +48,9 @@ class Found:
         samples, admissible: configurations drawn, and how many met every constraint.
         screened: (A, n) the admissible samples, best first.
         local_optima: how many optima of different value were found.
-        restarts: best value of each group that found one.
+        restarts: best value that each group found by itself, of those that found one.
+        by_group: what each group found by itself, (S, n) configurations, best first: where the
+            groups of a further search may start from without losing their independence.
     """
 
     x: Array
@@ -57,6 +60,7 @@ class Found:
     screened: Array
     local_optima: int
     restarts: Array
+    by_group: tuple[Array, ...] = ()
 
     @classmethod
     def nothing(cls) -> Found:
@@ -70,31 +74,34 @@ class Found:
         return float(1.0 - np.exp(self.restarts.min() - self.restarts.max()))
 
 
-def search(problem: HitProblem, sampler: Sampler, seed: int, hints: Array | None = None) -> Found:
+def search(problem: HitProblem, sampler: Sampler, seed: int, hints: Sequence[Array] = ()) -> Found:
     """Find the global optimum of a problem, with evidence.
 
     Args:
         problem: what to maximise.
         sampler: of configurations on the manifold.
         seed: of everything random; the same seed gives the same answer.
-        hints: (H, >= n) configurations known to be admissible, where random ones hardly are;
-            every group starts from them too.
+        hints: for each group in turn configurations (H, >= n) known to be admissible, where random
+            ones hardly are. No two groups get the same: what all start from they would all find.
     """
     rngs = [np.random.default_rng((seed, group)) for group in range(GROUPS)]
     q = sampler.draw(GROUPS * SAMPLES, seed)
     value, excess = problem.screen(q)
     pools = np.array_split(np.arange(len(q)), GROUPS)
-    count = STARTS // 2 if problem.straight else STARTS
+    count = STRAIGHT_STARTS if problem.straight else STARTS
     weight = _weights(problem, q[:PROBES])
     starts = [_starts(problem, q[pool], value[pool], excess[pool], count, weight) for pool in pools]
-    if hints is not None:
-        starts = [np.concatenate((hints[:, : problem.n], part)) for part in starts]
+    for group, known in enumerate(hints):
+        starts[group] = np.concatenate((known[:, : problem.n], starts[group]))
     now = _climb(problem, starts)
-    for turn in range(ROUNDS[1]):
-        if turn >= ROUNDS[0] and now.agree:
-            break
+    agreed = np.nan
+    for _ in range(ROUNDS):
         now = _hop(problem, sampler, now, rngs, KEPT, weight)
-    restarts = now.best
+        most = float(now.best.max())
+        if now.agree and (most == -np.inf or most < agreed + AGREE):
+            break
+        agreed = most if now.agree else np.nan
+    alone = now
     if not now.agree:
         # What the groups found is on record; their best optima together are hopped from on.
         now = _Optima(now.x, now.value, np.zeros_like(now.group))
@@ -114,8 +121,14 @@ def search(problem: HitProblem, sampler: Sampler, seed: int, hints: Array | None
         len(admissible),
         q[ranked],
         int((np.diff(reached) < -SAME).sum()) + 1 if reached.size else 0,
-        np.minimum(restarts[np.isfinite(restarts)], reached.max(initial=-np.inf)),
+        np.minimum(alone.best[np.isfinite(alone.best)], reached.max(initial=-np.inf)),
+        tuple(alone.x[_best(alone.value, rows, KEPT), : problem.n] for rows in alone.rows),
     )
+
+
+def dealt(hints: Array) -> list[Array]:
+    """Return hints (H, n) dealt out to the groups, each to one of them."""
+    return [hints[group::GROUPS] for group in range(GROUPS)]
 
 
 @dataclass(frozen=True)
@@ -131,9 +144,14 @@ class _Optima:
     group: NDArray[np.intp]
 
     @property
+    def rows(self) -> list[NDArray[np.intp]]:
+        """The rows of each group."""
+        return [np.flatnonzero(self.group == g) for g in range(GROUPS)]
+
+    @property
     def best(self) -> Array:
         """Best value of each group."""
-        return np.array([self.value[self.group == g].max(initial=-np.inf) for g in range(GROUPS)])
+        return np.array([self.value[rows].max(initial=-np.inf) for rows in self.rows])
 
     @property
     def agree(self) -> bool:
@@ -168,14 +186,14 @@ def _hop(
 ) -> _Optima:
     """Climb from variants of each group's best optima, which are climbed on as well."""
     q = now.x[:, : problem.n]
-    best = [_best(now.value, np.flatnonzero(now.group == g), kept) for g in range(len(rngs))]
+    best = [_best(now.value, rows, kept) for rows in now.rows[: len(rngs)]]
     near = [
         sampler.vary(np.repeat(q[rows], VARIANTS, axis=0), rng)
         for rows, rng in zip(best, rngs, strict=True)
     ]
     placed = sampler.place(np.concatenate(near))
     value, excess = problem.screen(placed)
-    count = STARTS // 2 if problem.straight else STARTS
+    count = STRAIGHT_STARTS if problem.straight else STARTS
     fresh = (count - KEPT) * (GROUPS // len(rngs))
     starts, end = [], 0
     for rows, variants in zip(best, near, strict=True):

@@ -1,16 +1,14 @@
-"""What a kernel can compute, written once over abstract numbers and recorded as a program."""
+"""The quantities of a hit, written once over abstract numbers."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
-from hitjoints.errors import InputError
+from hitjoints.impact.flux import flux
 from hitjoints.kernels.formulas.chain import Chain, Triple
 from hitjoints.kernels.formulas.links import TracedArm, dot
 from hitjoints.kernels.formulas.mass_matrix import (
     Factor,
-    mass_matrix,
     mobility_gradient,
     twice_kinetic_energy,
 )
@@ -98,11 +96,11 @@ class HitFormulas:
 
     def flux(self) -> list[Scalar]:
         """Largest hitting flux lambda / (lambda + m) v (m/s), Eq. 10 as corrected."""
-        return [self.speed()[0] / (1.0 + self.mass * self.mobility_value)]
+        return [flux(self.mobility_value, self.mass, self.speed()[0])]
 
     def straight_flux(self) -> list[Scalar]:
         """The same for motion exactly along h (m/s)."""
-        return [self.straight_speed()[0] / (1.0 + self.mass * self.mobility_value)]
+        return [flux(self.mobility_value, self.mass, self.straight_speed()[0])]
 
     def position(self) -> list[Scalar]:
         """World position of the contact, (3,) (m)."""
@@ -114,53 +112,6 @@ class HitFormulas:
         columns = [arm.in_world(arm.inward(0, c)) for c in arm.columns(self.reaches)]
         columns += [(0.0, 0.0, 0.0)] * (len(arm.links) - len(columns))
         return [column[axis] for axis in range(3) for column in columns]
-
-
-OUTPUT_SHAPES = {
-    "inertia": "",
-    "gradient": "n",
-    "speed": "",
-    "straight_speed": "",
-    "flux": "",
-    "straight_flux": "",
-    "position": "3",
-    "jacobian": "3n",
-    "mobility": "",
-    "mobility_gradient": "n",
-    "response": "n",
-}
-"""Every output and the axes it has beside contact and row."""
-
-FASTEST = frozenset({"speed", "straight_speed", "flux", "straight_flux"})
-"""Outputs that need joint speed limits."""
-
-
-def record(chain: Chain, contacts: Sequence[Attachment], outputs: Sequence[str]) -> Tape:
-    """Record the outputs of all contacts as one program.
-
-    Its inputs are q (n), the direction (3) and the object's mass; its outputs are grouped by
-    output, then by contact, then by component.
-
-    Args:
-        chain: the arm.
-        contacts: as `Chain.attach` returns them.
-        outputs: names from `OUTPUT_SHAPES`.
-
-    Raises:
-        InputError: an output needs a joint speed limit that the model does not have.
-    """
-    if FASTEST.intersection(outputs) and any(
-        math.isinf(limit) for link in chain.links for limit in (link.slowest, link.fastest)
-    ):
-        raise InputError("outputs", tuple(outputs), "speeds need a velocity limit for every joint")
-    n = chain.size
-    tracer = Tracer(n + 4)
-    h = tracer.inputs[n], tracer.inputs[n + 1], tracer.inputs[n + 2]
-    arm = TracedArm(chain, tracer.inputs[:n])
-    factor = Factor(mass_matrix(arm))
-    hits = [HitFormulas(arm, factor, contact, h, tracer.inputs[n + 3]) for contact in contacts]
-    results = [value for name in outputs for hit in hits for value in getattr(hit, name)()]
-    return tracer.program(results)
 
 
 def record_variation(chain: Chain, contact: Attachment) -> Tape:
