@@ -31,9 +31,12 @@ from .errors import (
 from .errors import (
     SolverError as SolverError,
 )
+from .evidence.calibration.past_hits import calibrate as calibrate
 from .evidence.paper.reproduction import reproduce as reproduce
 from .evidence.physics.simulation import simulate as simulate
 from .evidence.recordings.replayer import replay as replay
+from .goals.landing import Landing as Landing
+from .goals.landing import landing as landing
 from .hit import Hit as Hit
 from .hitting.controller import Controller as Controller
 from .impact.collision import (
