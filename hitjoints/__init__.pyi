@@ -67,6 +67,7 @@ from .maps.workspace import open_map as open_map
 from .maps.workspace import sweep_workspace as sweep_workspace
 from .model.robot import Contact as Contact
 from .model.robot import Robot as Robot
+from .model.tool import Tool as Tool
 from .planning.learning.feasibility import (
     learn_feasibility as learn_feasibility,
 )
