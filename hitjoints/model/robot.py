@@ -151,6 +151,12 @@ class Robot:
             _frozen(np.where(np.isfinite(self.upper), self.upper, np.pi)),
         )
 
+    def velocity_ratio(self, qd: NDArray[np.float64]) -> float:
+        """Return the greatest |qd| of joint velocities (..., n) in units of its limit."""
+        limit = np.where(qd > 0, self.velocity_upper, -self.velocity_lower)
+        moving = qd != 0
+        return float(np.max(np.abs(qd[moving]) / limit[moving], initial=0.0))
+
     @cached_property
     def velocity_lower(self) -> NDArray[np.float64]:
         """Lower velocity limits, (n,) rad/s."""
