@@ -13,7 +13,7 @@ import numpy as np
 
 from hitjoints.errors import InputError
 from hitjoints.tolerances import moves
-from hitjoints.vectors import points, unit
+from hitjoints.vectors import all_finite, points, unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -165,7 +165,9 @@ def checked(
     robot: Robot, q: ArrayLike, contact: Contact | int, direction: ArrayLike
 ) -> tuple[Contact, NDArray[np.float64], NDArray[np.float64]]:
     """Return contact, configurations and unit directions; errors as `directional_inertia`."""
-    contact, q, h = robot.contact(contact), robot.configuration(q), unit(direction)
+    contact, q, h = robot.contact(contact), robot.configuration(q, finite=False), unit(direction)
+    if q.ndim == 1:
+        q = robot.configuration(q)
     if h.ndim == 2 and (q.ndim == 1 or len(h) != len(q)):
         expected = "one direction" if q.ndim == 1 else f"one direction, or {len(q)} as in q"
         raise InputError("direction", f"{len(h)} rows", expected)
@@ -173,7 +175,11 @@ def checked(
 
 
 def _batch(robot: Robot, contact: Contact, output: str, q: Any, h: Any) -> NDArray[np.float64]:
-    values = kernel_for(robot, (contact,), (output,))(q, h)[output][0]
+    def check(start: int, stop: int) -> None:
+        if not all_finite(q[start:stop]):
+            robot.configuration(q)  # which raises
+
+    values = kernel_for(robot, (contact,), (output,))(q, h, check=check)[output][0]
     return np.asarray(values)
 
 

@@ -279,8 +279,15 @@ class Robot:
             raise InputError("joint", [c.joint for c in contacts], "at least one, each once")
         return contacts
 
-    def configuration(self, q: ArrayLike, argument: str = "q") -> NDArray[np.float64]:
+    def configuration(
+        self, q: ArrayLike, argument: str = "q", *, finite: bool = True
+    ) -> NDArray[np.float64]:
         """Return `q` as one (n,) or many (N, n) finite configurations.
+
+        Args:
+            q: rad.
+            argument: what to call it when it is refused.
+            finite: look at every number; if not, the caller does.
 
         Raises:
             InputError: wrong shape, or not finite.
@@ -293,7 +300,7 @@ class Robot:
                 f"{self.name} takes {self.n} joint positions (or rows of them), "
                 f"this has shape {array.shape}",
             )
-        if not all_finite(array):
+        if finite and not all_finite(array):
             raise InputError(argument, _brief(array), "every joint position must be finite")
         return array
 
