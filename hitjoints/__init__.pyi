@@ -31,6 +31,7 @@ from .errors import (
 from .errors import (
     SolverError as SolverError,
 )
+from .evaluator import Evaluator as Evaluator
 from .evidence.paper.reproduction import reproduce as reproduce
 from .evidence.physics.simulation import simulate as simulate
 from .evidence.recordings.replayer import replay as replay

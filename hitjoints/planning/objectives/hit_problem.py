@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hitjoints.built import kernel_for
 from hitjoints.kernels.formulas.speeds import lateral
 from hitjoints.planning.objectives.freedom import freedom, is_blind
 from hitjoints.planning.objectives.geometry import Axes, bend
 from hitjoints.planning.objectives.straight import straight_velocities
 from hitjoints.planning.search.climb import Values
-from hitjoints.quantities import kernel_for
 from hitjoints.tolerances import rank_floor
 
 if TYPE_CHECKING:
