@@ -8,6 +8,7 @@ import typer
 
 from .complaints import complain
 from .hit_options import HitOptions
+from .impact_options import ImpactOptions, impact_rows
 from .option_groups import without
 from .options import ConfigurationOption, JsonOption, numbers
 from .render import print_json, print_table
@@ -20,12 +21,17 @@ if TYPE_CHECKING:
 def inspect(
     robot: RobotOptions,
     hit: Annotated[HitOptions, without("position", "flux")],
+    impact: ImpactOptions,
     q: ConfigurationOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Show position, inertia, gradient, speed and flux at one configuration."""
+    """Show position, inertia, gradient, speed and flux at one configuration.
+
+    With --impact, what the arm shows in a hit at its greatest speed, by models of its drives.
+    """
     from hitjoints.errors import InfeasibleError
 
+    impact.check()
     asked = hit.read()
     arm = robot.load()
     contact = asked.contact(arm)
@@ -33,6 +39,9 @@ def inspect(
     try:
         result = _quantities(arm, configuration, contact, asked.direction, asked.mass)
         reason = None
+        if impact.impact is not None:
+            h, speed = result["direction"], result["speed"]
+            result["impact"] = impact.of(arm, configuration, contact, h, asked.mass, speed)
     except InfeasibleError as error:
         result, reason = error.data, error.reason
     if as_json:
@@ -104,6 +113,7 @@ def _print(robot: Robot, contact: Contact, result: dict[str, Any]) -> None:
         ("straight speed", result["straight_speed"], "m/s"),
         (f"flux, {result['mass']:g} kg object", result["flux"], "m/s"),
         ("straight flux", result["straight_flux"], "m/s"),
+        *impact_rows(result.get("impact", {})),
     ]
     title = (
         f"{robot.title}: hit with joint {contact.joint}"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import typer
 
 from .hit_options import HitOptions
+from .impact_options import RotorOption, StiffnessOption, of_joints
 from .option_groups import OptionGroup
 from .options import check_outputs, triple
 from .output_options import OutputOptions
@@ -25,6 +26,7 @@ SHOWN = {
     "contact friction": "{:g}",
     "off-centre": "{:g} m",
     "table": "box stands on it",
+    "elastic joints": "{:g} N m/rad",
 }
 """How the value of each cause is printed."""
 
@@ -73,6 +75,13 @@ class SettingOptions(OptionGroup):
         ),
     ] = None
 
+    elastic: Annotated[
+        bool,
+        typer.Option("--elastic", help="Motors on springs; then a contact lasts 0.01 s."),
+    ] = False
+    stiffness: StiffnessOption = None
+    rotor_inertia: RotorOption = None
+
     def arguments(self) -> dict[str, Any]:
         """Return the arguments of `simulate` for its setting.
 
@@ -82,7 +91,8 @@ class SettingOptions(OptionGroup):
         given = asdict(self)
         realistic = given.pop("realistic")
         mode = "realistic" if realistic else "ideal"
-        return given | {"mode": mode, "size": triple(self.size, "size")}
+        joints = {name: of_joints(given[name]) for name in ("stiffness", "rotor_inertia")}
+        return given | joints | {"mode": mode, "size": triple(self.size, "size")}
 
 
 @dataclass(frozen=True)
@@ -171,6 +181,21 @@ def _print(result: Simulation) -> None:
         [(*row[:3], _percent(row[3]), row[4]) for row in rows],
         caption="simulated inertia: by the balance of momentum",
     )
+    if result.elastic is not None and result.elastic_errors is not None:
+        off, elastic = result.elastic_errors, result.elastic
+        robot_speed = told.speed + found.rebound
+        print_table(
+            "Elastic joints, in closed form",
+            ("", "predicted", "simulated", "off by", "unit"),
+            [
+                ("object speed", elastic.object_speed, found.object_speed,
+                 _percent(off["object_speed"]), "m/s"),
+                ("robot speed", elastic.robot_speed, robot_speed,
+                 _percent(off["robot_speed"]) + " of the hit's", "m/s"),
+                ("inertia shown", elastic.shown, found.inertia, "-", "kg"),
+                ("inertia in Eq. 3", elastic.equivalent, None, "-", "kg"),
+            ],
+        )  # fmt: skip
     if result.causes:
         print_table(
             "How far off each cause brings them, alone, and what is left without it",

@@ -6,6 +6,7 @@ for thousands of times; rows of them (N, n) go to the batch kernels.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -142,8 +143,9 @@ def place_joint(
         threads: worker threads; all available processors when not given.
 
     Returns:
-        `.q` (N, n) rad within the limits, `.solved` (N,) to 1e-9 m, `.error` (N,) m. A row that is
-        not solved holds the closest configuration found.
+        `.q` (N, n) rad within the limits, without a start the turns of 2 pi nearest to home;
+        `.solved` (N,) to 1e-9 m; `.error` (N,) m. A row that is not solved holds the closest
+        configuration found.
 
     Raises:
         InputError: no such joint, wrong shapes, or a number that is not finite.
@@ -156,7 +158,7 @@ def place_joint(
             raise InputError("start", f"{len(start)} rows", f"one, or {len(targets)} as positions")
     from hitjoints.kernels import place
 
-    return place(
+    placed = place(
         robot.model,
         (contact.joint, contact.offset),
         targets,
@@ -166,6 +168,7 @@ def place_joint(
         threads=threads,
         chain=chain_of(robot),
     )
+    return placed if start is not None else replace(placed, q=robot.nearest_turn(placed.q))
 
 
 def checked(

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pinocchio as pin
 
 from hitjoints.dynamics.inertia import factor_mass_matrix, require_mobile
 from hitjoints.dynamics.kinematics import point_jacobian
@@ -76,6 +77,7 @@ def elastic_impact(
     damping: ArrayLike = 0.0,
     servo: tuple[ArrayLike, ArrayLike] | None = None,
     *,
+    qd: ArrayLike | None = None,
     rotor_inertia: ArrayLike | None = None,
     spring: tuple[float, float] | None = None,
 ) -> ElasticImpact:
@@ -98,6 +100,9 @@ def elastic_impact(
         damping: N m s/rad of the joints, (n,) or one number.
         servo: gains (N m/rad, N m s/rad), each (n,) or one number, of servos at the rotors, which
             keep the motion before the hit.
+        qd: (n,) rad/s, the arm's motion at the impact. The arm is then taken as it is in the middle
+            of the contact, where it has moved on, and what it does of itself, torque-free or led
+            by its servos, is added to its speed. None: as it is at the impact.
         rotor_inertia: kg m^2, reflected, (n,) or one number; None: the robot's. Where it is zero,
             the joint has no spring either.
         spring: stiffness (N/m) and damping (N s/m) of the contact, in place of those that
@@ -121,26 +126,31 @@ def elastic_impact(
         proportional, derivative = servo if servo is not None else (0.0, 0.0)
     except (TypeError, ValueError):
         raise InputError("servo", servo, "two gains: N m/rad and N m s/rad") from None
-    model, data = robot.model, robot.data
-    jac = point_jacobian(model, data, q, contact)
-    factor_mass_matrix(model, data, q)
+    gains = per_joint(proportional, robot, "servo"), per_joint(derivative, robot, "servo")
     arm = SpringArm(
-        np.linalg.inv(data.M),
-        h @ jac,
+        *_links(robot, q, contact, h),
         known_rotors(robot, rotor_inertia),
         known_stiffness(robot, stiffness),
         per_joint(damping, robot, "damping"),
-        (per_joint(proportional, robot, "servo"), per_joint(derivative, robot, "servo")),
+        gains,
     )
-    require_mobile(jac, arm.mobility, contact, h)
     between = pair_spring(arm.mobility, mass, restitution, contact_time)
     if spring is not None:
         between = spring
         if not (np.isfinite(between).all() and between[0] > 0 and between[1] >= 0):
             raise InputError("spring", spring, "a stiffness above 0 and a damping not below 0")
     parted = arm.collide(mass, speed, between, contact_time)
+    gained = 0.0
+    if qd is not None:
+        motion = robot.one_configuration(qd, "qd")
+        half = (contact_time if parted.time is None else parted.time) / 2
+        led = (gains[0] + gains[1]).any()
+        at, gained = _in_the_middle(robot, q, motion, contact, h, half, coasting=not led)
+        response, pull = _links(robot, at, contact, h)
+        moved = replace(arm, response=response, pull=pull)
+        parted = moved.collide(mass, speed + gained, between, contact_time)
     object_speed = parted.impulse / mass
-    robot_speed = object_speed + parted.closing
+    robot_speed = object_speed + parted.closing + gained
     lost, share = speed - robot_speed, object_speed / ((1.0 + restitution) * speed)
     return ElasticImpact(
         object_speed,
@@ -151,6 +161,39 @@ def elastic_impact(
         mass * share / (1.0 - share) if share < 1 else None,
         parted,
     )
+
+
+def _links(robot: Robot, q: Array, contact: Contact, h: Array) -> tuple[Array, Array]:
+    """Return M^-1 (n, n) and g = J^T h (n,) at a configuration.
+
+    Raises:
+        InfeasibleError: the contact cannot move along h.
+    """
+    jacobian = point_jacobian(robot.model, robot.data, q, contact)
+    factor_mass_matrix(robot.model, robot.data, q)
+    inverse, g = np.linalg.inv(robot.data.M), h @ jacobian
+    require_mobile(jacobian, float(g @ inverse @ g), contact, h)
+    return inverse, g
+
+
+def _in_the_middle(
+    robot: Robot, q: Array, qd: Array, contact: Contact, h: Array, half: float, *, coasting: bool
+) -> tuple[Array, float]:
+    """Return where an arm is half a contact later, and what its contact's speed has gained, m/s.
+
+    An arm that coasts, free of torque but for gravity's compensation, is bent by its own motion.
+    """
+    before = h @ point_jacobian(robot.model, robot.data, q, contact) @ qd
+    later = qd
+    if coasting:
+        still = np.zeros(robot.n)
+        model = robot.weightless_model
+        own = pin.rnea(model, model.createData(), q, qd, still)
+        factor_mass_matrix(robot.model, robot.data, q)
+        later = qd - half * pin.cholesky.solve(robot.model, robot.data, own)
+    at = q + half * qd
+    after = h @ point_jacobian(robot.model, robot.data, at, contact) @ later
+    return at, float(after - before)
 
 
 def pair_spring(

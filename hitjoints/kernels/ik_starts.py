@@ -4,13 +4,13 @@ does.
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
 from hitjoints.kernels.formulas.chain import Chain
 from hitjoints.kernels.tape.rows import over_rows
+from hitjoints.model.turns import FAR, FAR_SLIDE, SLIDE, TURN
 
 GOLDEN = 0x9E3779B97F4A7C15
 MASK = (1 << 64) - 1
@@ -27,10 +27,10 @@ def random_starts(
     attempt: int,
     threads: int | None,
 ) -> Array:
-    """Uniform configurations (n, N) within the position limits, +-pi for an unbounded joint."""
+    """Uniform configurations (n, N) within the position limits, near zero where they are far."""
     n = chain.size
-    low = [-math.pi if math.isinf(link.lower) else link.lower for link in chain.links]
-    high = [math.pi if math.isinf(link.upper) else link.upper for link in chain.links]
+    ends = [start_range(link.lower, link.upper, link.prismatic) for link in chain.links]
+    low, high = [pair[0] for pair in ends], [pair[1] for pair in ends]
     keys = [mix(mix(mix(seed & MASK) + attempt) + joint) for joint in range(n)]
     counters = rows.astype(np.uint64)
     q = np.empty((n, len(rows)))
@@ -47,6 +47,18 @@ def random_starts(
 
     over_rows(fill, len(rows), threads, NANOSECONDS * n)
     return q
+
+
+def start_range(lower: float, upper: float, slides: bool) -> tuple[float, float]:
+    """Return where to start within limits (rad or m): all of them, or a turn (2 m) near zero.
+
+    Limits of more than two turns (20 m) stand for none.
+    """
+    most, width = (FAR_SLIDE, SLIDE) if slides else (FAR, TURN)
+    if upper - lower <= most:
+        return lower, upper
+    low = min(max(-width / 2, lower), upper - width)
+    return low, low + width
 
 
 def mix(z: int) -> int:

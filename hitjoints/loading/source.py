@@ -1,8 +1,9 @@
-"""From what a user names to a URDF text: built-in names, files, or the text itself."""
+"""From what a user names, or a text itself, to a tree of links and joints."""
 
 from __future__ import annotations
 
 import os
+import re
 import stat
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,10 +11,13 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
-from hitjoints.errors import InputError, UnknownNameError
+from hitjoints.errors import InputError, ModelError, UnknownNameError
 from hitjoints.loading.catalogue import ERD, erd_directory, erd_urdfs, robot_file, robot_names
 from hitjoints.loading.facts import Facts, read_facts
+from hitjoints.loading.mjcf import read_mjcf
 from hitjoints.loading.xacro_file import expand_xacro
+from hitjoints.model.tree import Tree
+from hitjoints.model.urdf import read_urdf
 
 LARGEST = 1 << 26  # bytes of a description
 ENDINGS = (".urdf", ".xacro", ".xml")
@@ -22,21 +26,23 @@ BLANK = "\ufeff \t\r\n"  # what may come before a description begins
 
 @dataclass(frozen=True)
 class Description:
-    """A robot's description and what its TOML adds, read and not yet understood."""
+    """A robot's description and what its TOML adds, before an arm is chosen in it."""
 
     name: str
     source: str
     """What to call it in messages."""
-    text: str = field(repr=False)
-    """URDF, whatever the source was written in."""
+    tree: Tree = field(repr=False)
+    """Its links and joints."""
     folder: Path | None
     """Where the file lies; None for a description given as text."""
     kind: str
-    """What the source was written in: urdf or xacro."""
+    """What the source is written in: urdf, xacro or mjcf."""
     facts: Facts = field(default_factory=dict)
     """The TOML's entries; empty without one."""
     package_dirs: tuple[str, ...] = ()
     """Folders that hold packages, for the meshes."""
+    home: Path | None = None
+    """The folder of the TOML."""
 
 
 def describe(
@@ -59,8 +65,8 @@ def describe(
     located = _Located(None, "robot", "text") if is_text(asked) else _locate(asked)
     path, name, called, facts = located
     told = facts.get("package_dirs", [])
-    home = Path(asked).parent if path is not None and facts else Path()
-    dirs = (*map(str, package_dirs), *(str(home / folder) for folder in told))
+    home = Path(asked).parent if asked.endswith(".toml") else None
+    dirs = (*map(str, package_dirs), *(str(Path(home or "", folder)) for folder in told))
     arguments = {**facts.get("xacro_args", {}), **(xacro_args or {})}
     text, kind = (asked if path is None else read_text(path)), "urdf"
     if path is not None and path.suffix == ".xacro":
@@ -69,7 +75,20 @@ def describe(
         name_of_one = next(iter(arguments))
         raise InputError("xacro-arg", name_of_one, f"{called} is no xacro file (*.xacro)")
     folder = None if path is None else Path(os.path.abspath(path)).parent
-    return Description(name, called, text, folder, kind, facts, dirs)
+    if (tag := root_tag(text)) == "mujoco":
+        tree, kind = read_mjcf(text, path, called), "mjcf"
+    elif tag == "sdf":
+        reason = "it is an SDF, which hitjoints does not read: convert it to a URDF"
+        raise ModelError(called, reason)
+    else:
+        tree = read_urdf(text, called)
+    return Description(name, called, tree, folder, kind, facts, dirs, home)
+
+
+def root_tag(text: str) -> str:
+    """Return the name of a text's first element, "" when it has none."""
+    found = re.search(r"<([A-Za-z_][^\s/>]*)", re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL))
+    return found[1] if found else ""
 
 
 def is_text(source: str) -> bool:
@@ -103,8 +122,12 @@ def _locate(asked: str) -> _Located:
     return _Located(path, path.stem.removesuffix(".urdf"), asked)
 
 
-def read_text(path: Path) -> str:
-    """Return a description file's text.
+def read_text(path: Path, argument: str = "robot") -> str:
+    """Return the text of a file that describes something.
+
+    Args:
+        path: the file.
+        argument: what to call it in messages.
 
     Raises:
         InputError: the file cannot be read as text, is no plain file, or is larger than any
@@ -114,15 +137,15 @@ def read_text(path: Path) -> str:
         # A device or a pipe may never end.
         status = os.stat(path)
         if not (stat.S_ISREG(status.st_mode) or stat.S_ISDIR(status.st_mode)):
-            raise InputError("robot", path, "a description is a file, not a device or a pipe")
+            raise InputError(argument, path, "a description is a file, not a device or a pipe")
         if status.st_size > LARGEST:
-            raise InputError("robot", path, f"a description has at most {LARGEST >> 20} MB")
+            raise InputError(argument, path, f"a description has at most {LARGEST >> 20} MB")
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
-        raise InputError("robot", path, "not a UTF-8 text file") from None
+        raise InputError(argument, path, "not a UTF-8 text file") from None
     except OSError as error:
-        raise InputError("robot", path, str(error.strerror)) from None
+        raise InputError(argument, path, str(error.strerror)) from None
     except InputError:
         raise
     except ValueError:
-        raise InputError("robot", path, "a path holds no null character") from None
+        raise InputError(argument, path, "a path holds no null character") from None

@@ -73,6 +73,7 @@ def plan_joint(
             f"configurations of joint {hit.contact.joint} is accepted"
         )
         return Candidate(hit.contact.joint, False, reason, evidence=evidence_of(found))
+    q = hit.robot.nearest_turn(q)
     evidence = evidence_of(found)
     if certificate and accept is None:
         evidence["certificate"] = certify(hit, q).as_dict()

@@ -92,6 +92,7 @@ def posture(
             refusal = infeasible.pointed_at(hit, pointing, given[None], prove=False)
         raise InfeasibleError(refusal.reason, {"joint": contact.joint, **refusal.evidence})
     chosen = np.array(found.x[0])
+    chosen[contact.joint - 1 :] = robot.nearest_turn(chosen)[contact.joint - 1 :]
     measured = measure(hit, chosen)
     evidence = evidence_of(found)
     if certificate:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from hitjoints.errors import InputError
-from hitjoints.evidence.physics.engine_scene import SOLIMP
+from hitjoints.evidence.physics.engine_scene import SOFT, solimp
 from hitjoints.impact.restitution import (
     LEAST,
     contact_spring,
@@ -61,7 +61,7 @@ def test_two_masses_in_the_engine(restitution):
         body.add_joint(type=mujoco.mjtJoint.mjJNT_SLIDE, axis=(1, 0, 0))
         kind = mujoco.mjtGeom.mjGEOM_BOX if i else mujoco.mjtGeom.mjGEOM_SPHERE
         body.add_geom(name=str(i), type=kind, size=(0.05,) * 3, mass=mass, contype=0, conaffinity=0)
-    spec.add_pair(geomname1="0", geomname2="1", condim=1, solref=(-k, -b), solimp=SOLIMP)
+    spec.add_pair(geomname1="0", geomname2="1", condim=1, solref=(-k, -b), solimp=solimp(SOFT))
     model = spec.compile()
     data = mujoco.MjData(model)
     data.qvel[0] = 1.0

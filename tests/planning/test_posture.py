@@ -23,7 +23,7 @@ def grid(robot, joint, count):
 
 
 def gaps(robot, q, joint):
-    after = Contact(joint + 1) if joint < robot.n else robot.flange
+    after = robot.beyond(Contact(joint))
     return np.array([H @ (hj.position(robot, x, after) - hj.position(robot, x, joint)) for x in q])
 
 

@@ -38,8 +38,8 @@ def best_postures(robot: Robot, q: Array, joint: int, h: Array) -> tuple[Array, 
     Returns:
         (N, n) rad; (N,) kg, nan where no posture points away from the object.
     """
-    beyond = robot.flange if joint == robot.n else Contact(joint + 1)
-    kernel = kernel_for(robot, (Contact(joint), beyond), ("inertia", "position"))
+    ends = Contact(joint), robot.beyond(Contact(joint))
+    kernel = kernel_for(robot, ends, ("inertia", "position"))
     free = range(joint - 1, robot.n)
     axes = [
         np.linspace(robot.lower[j], robot.upper[j], c)

@@ -14,7 +14,11 @@ from hitjoints.evidence.physics.engine import engine
 from hitjoints.kernels.formulas.chain import joint_axes
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from hitjoints.model.robot import Robot
+
+    Array = NDArray[np.float64]
 
 LEAST_INERTIA = 1e-12
 """kg and kg m^2: what a link without mass gets, because the engine refuses none."""
@@ -65,6 +69,38 @@ def arm_spec(robot: Robot) -> Any:
             limited=mujoco.mjtLimited.mjLIMITED_FALSE,
         )
     return spec
+
+
+def add_motors(spec: Any, robot: Robot, rotors: Array, stiffness: Array) -> list[str]:
+    """Put every joint's motor behind a spring: a body of its own, as many degrees of freedom more.
+
+    A motor turns about an axis of its own in the base; a spring, a tendon of the engine, pulls at
+    the difference of motor and link. A joint whose rotor is zero keeps nothing but its link.
+
+    Args:
+        spec: of an arm.
+        robot: the arm.
+        rotors: (n,) kg m^2, reflected through the gears.
+        stiffness: (n,) N m/rad.
+
+    Returns:
+        Name of the motor's joint for every joint, empty where there is none.
+    """
+    mujoco = engine()
+    names = [""] * robot.n
+    for i in np.flatnonzero(rotors > 0):
+        names[i] = name = f"motor_{i + 1}"
+        motor = spec.worldbody.add_body(name=name, gravcomp=1)
+        motor.explicitinertial, motor.mass, motor.inertia = True, LEAST_INERTIA, [rotors[i]] * 3
+        motor.add_joint(
+            name=name, type=mujoco.mjtJoint.mjJNT_HINGE, limited=mujoco.mjtLimited.mjLIMITED_FALSE
+        )
+        spring = spec.add_tendon(
+            name=name, stiffness=(stiffness[i], 0.0, 0.0), springlength=(0.0, 0.0)
+        )
+        spring.wrap_joint(name, 1.0)
+        spring.wrap_joint(robot.joint_names[i], -1.0)
+    return names
 
 
 def quaternion(rotation: Any) -> Any:

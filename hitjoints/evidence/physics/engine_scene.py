@@ -9,9 +9,8 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.dynamics.kinematics import jacobian
-from hitjoints.errors import ModelError
-from hitjoints.evidence.physics.engine import engine
-from hitjoints.evidence.physics.engine_arm import arm_spec, link_name, quaternion
+from hitjoints.evidence.physics.engine import compiled, engine
+from hitjoints.evidence.physics.engine_arm import add_motors, arm_spec, link_name, quaternion
 from hitjoints.impact.restitution import contact_spring
 
 if TYPE_CHECKING:
@@ -24,8 +23,14 @@ if TYPE_CHECKING:
 
 RADIUS = 0.05
 """m, of the sphere that is the link's surface at the contact."""
-SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2)
-"""Contacts as hard as the engine has them: the spring's law holds to 1e-4."""
+HARD = 0.9999
+"""The engine's impedance of box on table, as hard as it has them."""
+SOFT = 1e-4
+"""The engine's impedance at the hit. The contact is then a plain spring and damper, to that share:
+it yields to whatever moves the two bodies. With 0.9999 it would hold them to the motion of the two
+alone, against servos and springs behind the arm."""
+SLIP_TIME = 10
+"""Steps in which friction at the hit takes hold."""
 TABLE_TIME = 0.004
 """s, the time constant of box on table: shorter, and a sliding box hops."""
 LEVEL = 1e-6
@@ -95,18 +100,21 @@ def build_scene(robot: Robot, impact: ImpactState, setting: Setting) -> tuple[An
     spec.body("box").add_site(name="face", pos=face)
     stiffness, damping = contact_spring(setting.restitution, setting.contact_time)
     spring = -stiffness, -damping  # below 0 they are no time constants
-    _add_pair(spec, "contact", setting.contact_friction, spring, 2 * setting.contact_time)
+    grip = 0.0, -1.0 / (SLIP_TIME * setting.timestep)
+    _add_pair(spec, "contact", setting.contact_friction, spring, grip, SOFT)
     if setting.on_table:
         add_table(spec, centre, setting.size, setting.friction)
+    driven = list(robot.joint_names)
+    if setting.stiffness:
+        motors = add_motors(spec, robot, np.array(setting.rotors), np.array(setting.stiffness))
+        driven = [motor or link for motor, link in zip(motors, driven, strict=True)]
     if setting.servo_gain > 0:
-        _add_servos(spec, robot, setting.servo_gain)
-    try:
-        model = spec.compile()
-    except ValueError as error:  # such as moments of inertia that no body has
-        reason = " ".join(str(error).split()).removeprefix("Error: ")
-        raise ModelError(robot.name, f"the physics engine refuses it ({reason})") from None
+        _add_servos(spec, robot, driven, setting.servo_gain)
+    model = compiled(spec, robot.name)
     data = mujoco.MjData(model)
-    data.qpos[: robot.n], data.qvel[: robot.n] = impact.q, impact.qd
+    for names in (robot.joint_names, driven):
+        for name, q, qd in zip(names, impact.q, impact.qd, strict=True):
+            data.joint(name).qpos, data.joint(name).qvel = q, qd
     return model, data
 
 
@@ -121,6 +129,8 @@ def set_options(spec: Any, timestep: float) -> None:
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     option.tolerance, option.iterations = 1e-12, 100
+    # A state that is lost is told, not replaced by the one at the beginning.
+    option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
     option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_DIAGEXACT)
 
 
@@ -141,7 +151,7 @@ def add_table(spec: Any, centre: Array, size: tuple[float, float, float], fricti
     top = (0, 0, centre[2] - size[2] / 2)
     kind = mujoco.mjtGeom.mjGEOM_PLANE
     _silent(spec.worldbody.add_geom(name="table", type=kind, pos=top, size=(5, 5, 0.1)))
-    _add_pair(spec, "table", friction, (TABLE_TIME, 1), TABLE_TIME)
+    _add_pair(spec, "table", friction, (TABLE_TIME, 1), (TABLE_TIME, 1), HARD)
 
 
 def _add_contact(spec: Any, robot: Robot, impact: ImpactState, timestep: float) -> None:
@@ -163,7 +173,12 @@ def _add_contact(spec: Any, robot: Robot, impact: ImpactState, timestep: float) 
 
 
 def _add_pair(
-    spec: Any, other: str, friction: float, solref: tuple[float, float], constant: float
+    spec: Any,
+    other: str,
+    friction: float,
+    spring: tuple[float, float],
+    grip: tuple[float, float],
+    impedance: float,
 ) -> None:
     """Let the box touch another shape, with friction or without."""
     spec.add_pair(
@@ -171,16 +186,21 @@ def _add_pair(
         geomname2="box",
         condim=3 if friction > 0 else 1,
         friction=(friction, friction, 0, 0, 0),
-        solref=solref,
-        solreffriction=(constant, 1),
-        solimp=SOLIMP,
+        solref=spring,
+        solreffriction=grip,
+        solimp=solimp(impedance),
     )
 
 
-def _add_servos(spec: Any, robot: Robot, gain: float) -> None:
-    """Add a velocity servo to every joint, as strong as its effort limit."""
+def solimp(impedance: float) -> tuple[float, ...]:
+    """Return the engine's five numbers for an impedance that is the same at any depth."""
+    return impedance, impedance, 0.001, 0.5, 2.0
+
+
+def _add_servos(spec: Any, robot: Robot, driven: list[str], gain: float) -> None:
+    """Add a velocity servo to what drives every joint, as strong as the joint's effort limit."""
     mujoco = engine()
-    for name, effort in zip(robot.joint_names, robot.effort, strict=True):
+    for name, effort in zip(driven, robot.effort, strict=True):
         servo = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         servo.set_to_velocity(gain)
         if 0 < effort < np.inf:

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
+import numpy as np
+
 from hitjoints.errors import InputError, UnknownNameError
 from hitjoints.impact.restitution import check_restitution
 
@@ -18,6 +20,8 @@ STEP = 1e-5
 """s, the engine's step at most during the contact, and"""
 STEPS = 200
 """steps in each contact at least."""
+SMALLEST, LARGEST = 1e-3, 10.0
+"""m, edges of a box that the engine can follow."""
 SHORT = 1e-4
 """s, a contact that is an impact."""
 
@@ -35,6 +39,8 @@ class Setting:
         contact_friction: coefficient between arm and box.
         off_centre: m, sideways from the point that is hit to the box's centre.
         on_table: the table acts on the box during the contact already.
+        stiffness: (n,) N m/rad, of springs between motors and links; empty: joints without motors.
+        rotors: (n,) kg m^2, of those motors, reflected through the gears.
 
     Raises:
         InputError: a value is out of its range.
@@ -48,11 +54,13 @@ class Setting:
     contact_friction: float = 0.0
     off_centre: float = 0.0
     on_table: bool = False
+    stiffness: tuple[float, ...] = ()
+    rotors: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         check_restitution(self.restitution)
-        if len(self.size) != 3 or not all(0 < edge < math.inf for edge in self.size):
-            raise InputError("size", self.size, "three lengths above 0 m")
+        if len(self.size) != 3 or not all(SMALLEST <= edge <= LARGEST for edge in self.size):
+            raise InputError("size", self.size, f"three edges from {SMALLEST:g} to {LARGEST:g} m")
         for name in ("friction", "servo_gain", "contact_friction"):
             value = getattr(self, name)
             if not 0 <= value < math.inf:
@@ -74,13 +82,13 @@ class Setting:
 
     def causes(self) -> list[tuple[str, float, Setting, Setting]]:
         """Return what is not ideal: its name, its value, and settings with it alone and without."""
-        ideal = Setting(self.restitution, self.size, self.friction)
+        ideal = Setting(self.restitution, self.size, self.friction, rotors=self.rotors)
         found = []
         for cause, name in CAUSES.items():
             value, usual = getattr(self, name), getattr(ideal, name)
             if value != usual:
                 alone, without = replace(ideal, **{name: value}), replace(self, **{name: usual})
-                found.append((cause, float(value), alone, without))
+                found.append((cause, float(np.max(value)), alone, without))
         return found
 
 
@@ -90,6 +98,7 @@ CAUSES = {
     "contact friction": "contact_friction",
     "off-centre": "off_centre",
     "table": "on_table",
+    "elastic joints": "stiffness",
 }
 """What sets a hit apart from the model, each with its entry of a setting."""
 MODES: dict[Mode, dict[str, float | bool]] = {
@@ -105,7 +114,7 @@ MODES: dict[Mode, dict[str, float | bool]] = {
 """What each mode sets, where nothing else is asked for."""
 
 
-def setting(mode: Mode, **asked: float | tuple[float, float, float] | None) -> Setting:
+def setting(mode: Mode, **asked: float | tuple[float, ...] | None) -> Setting:
     """Return the setting of a mode with what is asked for instead; None asks for nothing.
 
     Raises:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from hitjoints.evidence.physics.setting import Mode, Setting
     from hitjoints.evidence.physics.slide import Slide
     from hitjoints.evidence.physics.strike import Strike
+    from hitjoints.impact.elastic import ElasticImpact
     from hitjoints.rollouts.record import Rollout
 
     Array = NDArray[np.float64]
@@ -77,6 +78,7 @@ class Simulation:
         predicted: by the model. strike: by the engine, until arm and box part.
         slide: until the box rests; None where it does not slide on a table with friction.
         causes: of the difference, those that are in the setting.
+        elastic: what elastic joints make of it in closed form; None where joints are rigid.
     """
 
     motion: Rollout
@@ -87,6 +89,7 @@ class Simulation:
     strike: Strike
     slide: Slide | None
     causes: tuple[Cause, ...] = field(repr=False)
+    elastic: ElasticImpact | None = None
 
     @property
     def travel(self) -> float | None:
@@ -101,6 +104,21 @@ class Simulation:
         """What the engine says, by name."""
         names = (*COMPARED, "restitution", "contact_time", "contacts")
         return {name: getattr(self.strike, name) for name in names} | {"travel": self.travel}
+
+    @property
+    def elastic_errors(self) -> dict[str, float] | None:
+        """Simulated less the closed form of elastic joints, as a share.
+
+        The object's speed as a share of itself, the robot's as a share of the speed of the hit.
+        """
+        if self.elastic is None:
+            return None
+        speed = self.predicted.speed
+        robot_speed = self.strike.rebound + speed
+        return {
+            "object_speed": self.strike.object_speed / self.elastic.object_speed - 1,
+            "robot_speed": (robot_speed - self.elastic.robot_speed) / speed,
+        }
 
     @property
     def errors(self) -> dict[str, float | None]:
@@ -146,6 +164,8 @@ class Simulation:
             "predicted": asdict(self.predicted),
             "simulated": self.simulated,
             "errors": self.errors,
+            "elastic": None if self.elastic is None else self.elastic.as_dict(),
+            "elastic_errors": self.elastic_errors,
             "shares": [
                 {
                     "cause": cause.name,

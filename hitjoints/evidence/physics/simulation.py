@@ -14,6 +14,8 @@ from hitjoints.evidence.physics.simulated_hit import Cause, Prediction, Simulati
 from hitjoints.evidence.physics.slide import LONGEST, slide
 from hitjoints.evidence.physics.strike import strike
 from hitjoints.impact.collision import object_speed, rebound
+from hitjoints.impact.elastic import ElasticImpact, elastic_impact
+from hitjoints.impact.rotor import known_rotors, known_stiffness
 from hitjoints.rollouts.follow import rollout
 
 if TYPE_CHECKING:
@@ -25,6 +27,8 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+ELASTIC_CONTACT = 0.01
+"""s, of a hit on elastic joints: in a shorter one they take no part."""
 GRAVITY = 9.81
 """m/s^2, of the engine too."""
 
@@ -41,6 +45,9 @@ def simulate(
     servo_gain: float | None = None,
     contact_friction: float | None = None,
     off_centre: float | None = None,
+    elastic: bool = False,
+    stiffness: ArrayLike | None = None,
+    rotor_inertia: ArrayLike | None = None,
     q0: ArrayLike | None = None,
     start: ArrayLike | None = None,
     q_hit: ArrayLike | None = None,
@@ -66,6 +73,9 @@ def simulate(
             when realistic.
         contact_friction: coefficient between arm and box; 0, or 0.3 when realistic.
         off_centre: m, from the contact sideways to the box's centre; 0, or 0.02 when realistic.
+        elastic: put every joint's motor behind a spring, and predict that in closed form as well;
+            a contact then lasts 0.01 s when nothing else is asked for.
+        stiffness, rotor_inertia: of elastic joints; see `elastic_impact`.
         q0, start, q_hit, torque_limits, seed: see `rollout`.
 
     Returns:
@@ -77,8 +87,19 @@ def simulate(
         MissingExtraError: MuJoCo is not installed.
     """
     engine()
+    if elastic:
+        rotors = tuple(known_rotors(robot, rotor_inertia).tolist())
+        springs = tuple(known_stiffness(robot, stiffness).tolist())
+        contact_time = ELASTIC_CONTACT if contact_time is None else contact_time
+    elif stiffness is not None or rotor_inertia is not None:
+        name = "rotor_inertia" if stiffness is None else "stiffness"
+        raise InputError(name, "given", "it belongs to elastic joints: ask for them too")
+    else:
+        rotors = springs = ()
     how = setting(
         mode,
+        stiffness=springs,
+        rotors=rotors,
         restitution=restitution,
         size=size,
         friction=friction,
@@ -115,7 +136,8 @@ def simulate(
         )
         for name, value, alone, without in how.causes()
     )
-    return Simulation(motion, mode, how, impact, predicted, result, slid, causes)
+    told = predict_elastic(motion, impact, how) if elastic else None
+    return Simulation(motion, mode, how, impact, predicted, result, slid, causes, told)
 
 
 class ServoReference:
@@ -159,3 +181,23 @@ def predict(motion: Rollout, how: Setting) -> Prediction:
     slides = is_level(motion.hit.direction) and how.friction > 0
     travel = speed**2 / (2 * how.friction * GRAVITY) if slides else None
     return Prediction(speed, rebound(*asked), at.inertia, travel, at.flux, at.speed)
+
+
+def predict_elastic(motion: Rollout, impact: ImpactState, how: Setting) -> ElasticImpact:
+    """Return what elastic joints, and servos at their motors, make of it in closed form."""
+    assert motion.impact is not None
+    at = motion.impact
+    return elastic_impact(
+        motion.robot,
+        at.q,
+        impact.contact,
+        impact.direction,
+        impact.mass,
+        at.speed,
+        how.restitution,
+        how.contact_time,
+        how.stiffness,
+        servo=(0.0, how.servo_gain),
+        qd=impact.qd,
+        rotor_inertia=how.rotors,
+    )

@@ -12,6 +12,7 @@ import numpy as np
 from hitjoints.errors import SolverError
 from hitjoints.evidence.physics.engine import engine
 from hitjoints.evidence.physics.engine_scene import ImpactState, build_scene
+from hitjoints.impact import spring_arm
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 TOGETHER = 3.0
 """Contact times after which an impact is over, though the arm may still push: plastic ones end so.
-"""
+On elastic joints a light link may swing back and push on: there it is the closed form's count."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +68,7 @@ def strike(
         follow: s, until when both are followed at least; the speeds are those of the first parting.
 
     Raises:
-        SolverError: the arm leaves the box before it has touched it.
+        SolverError: the arm does not touch the box, or the engine loses one of them.
     """
     bout = _Bout(robot, impact, setting, reference)
     while bout.now.force == 0:
@@ -75,7 +76,8 @@ def strike(
             raise SolverError("the arm does not touch the box in the engine")
         bout.step()
     touch, approach = bout.now.time, bout.rows[0].robot_speed
-    over = touch + TOGETHER * setting.contact_time
+    longest = spring_arm.TOGETHER if setting.stiffness else TOGETHER
+    over = touch + longest * setting.contact_time
     while bout.now.force > 0 and bout.now.time < over:
         bout.step()
     parting = bout.now
@@ -83,6 +85,8 @@ def strike(
     while bout.now.time < follow:
         bout.step()
     rebound = parting.robot_speed - approach
+    if not np.isfinite((parting.object_speed, rebound, restitution)).all() or rebound == 0:
+        raise SolverError("the engine loses the arm or the box while they touch")
     return Strike(
         object_speed=parting.object_speed,
         rebound=rebound,
@@ -136,7 +140,8 @@ class _Bout:
     @property
     def pose(self) -> tuple[Array, Array]:
         """The box's position and quaternion (7,), and its velocity (6,)."""
-        return self.data.qpos[self.n :].copy(), self.data.qvel[self.n :].copy()
+        n = self.n
+        return self.data.qpos[n : n + 7].copy(), self.data.qvel[n : n + 6].copy()
 
     def step(self) -> None:
         """Go on by one step of the engine."""
@@ -160,7 +165,7 @@ class _Bout:
         self.mujoco.mj_forward(self.model, data)
         speeds = self.speed_of(self.point), self.speed_of(self.box)
         state = data.qpos.copy()
-        parts = state[: self.n], state[self.n : self.n + 3], state[self.n + 3 :]
+        parts = state[: self.n], state[self.n : self.n + 3], state[self.n + 3 : self.n + 7]
         self.rows.append(StrikeRow(data.time, *speeds, self._force(), *parts))
 
     def _force(self) -> float:

@@ -62,11 +62,8 @@ class Hit:
 
     @property
     def beyond(self) -> Contact:
-        """The point chi_{k+1} the away condition compares with: the next joint, or the flange."""
-        from hitjoints.model.robot import Contact
-
-        joint = self.contact.joint
-        return Contact(joint + 1) if joint < self.robot.n else self.robot.flange
+        """The point chi_{k+1} the away condition compares with, see `Robot.beyond`."""
+        return self.robot.beyond(self.contact)
 
 
 class HitProblem:

@@ -131,7 +131,9 @@ def pointed_at(hit: Hit, found: Found, placed: Array, prove: bool) -> Candidate:
     gaps = [away_gap(hit, q) for q in known[: len(found.x) + MOST_COMPARED]]
     nearest = int(np.argmin(gaps))
     q, gap = known[nearest], gaps[nearest]
-    following = f"joint {joint + 1}" if joint < hit.robot.n else "the flange"
+    beyond = hit.beyond
+    next_origin = beyond.joint > joint and not any(beyond.offset)
+    following = f"joint {beyond.joint}" if next_origin else "the flange"
     certified = abs(gap) < TOGETHER and _share_origin(hit)
     if certified:
         why = f"the origins of joint {joint} and {following} coincide, so no link points away"

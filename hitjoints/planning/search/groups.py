@@ -1,8 +1,8 @@
 """The global search: sample, climb from diverse starts, hop from the best, in independent groups.
 
 Each group draws its own samples and never sees the others' results, so that their agreement is
-evidence: several searches that end at the same value have probably found the global optimum, and
-the groups go on hopping, a bounded number of rounds, while they do not agree.
+evidence: several searches that end at the same value have probably found the global optimum. The
+groups go on hopping, a bounded number of rounds, until all agree twice in turn.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 
 GROUPS = 4
 SAMPLES = 512  # per group
-STARTS = 32  # per group and climb; half as many where qd doubles the variables
+STARTS, STRAIGHT_STARTS = 32, 24  # per group and climb; fewer where qd doubles the variables
 KEPT = 3  # optima per group that hops start from
 VARIANTS = 48  # per optimum
-ROUNDS = (1, 3)  # of hops: always, and at most while the groups disagree
+ROUNDS = 4  # of hops, at most; until all groups agree twice in turn
 POOLED = 2  # rounds of hops after that, from the optima of all groups
 AGREE = 5e-5  # relative
 PROBES = 64  # samples that tell which joints matter
@@ -88,16 +88,19 @@ def search(problem: HitProblem, sampler: Sampler, seed: int, hints: Sequence[Arr
     q = sampler.draw(GROUPS * SAMPLES, seed)
     value, excess = problem.screen(q)
     pools = np.array_split(np.arange(len(q)), GROUPS)
-    count = STARTS // 2 if problem.straight else STARTS
+    count = STRAIGHT_STARTS if problem.straight else STARTS
     weight = _weights(problem, q[:PROBES])
     starts = [_starts(problem, q[pool], value[pool], excess[pool], count, weight) for pool in pools]
     for group, known in enumerate(hints):
         starts[group] = np.concatenate((known[:, : problem.n], starts[group]))
     now = _climb(problem, starts)
-    for turn in range(ROUNDS[1]):
-        if turn >= ROUNDS[0] and now.agree:
-            break
+    agreed = np.nan
+    for _ in range(ROUNDS):
         now = _hop(problem, sampler, now, rngs, KEPT, weight)
+        most = float(now.best.max())
+        if now.agree and (most == -np.inf or most < agreed + AGREE):
+            break
+        agreed = most if now.agree else np.nan
     alone = now
     if not now.agree:
         # What the groups found is on record; their best optima together are hopped from on.
@@ -190,7 +193,7 @@ def _hop(
     ]
     placed = sampler.place(np.concatenate(near))
     value, excess = problem.screen(placed)
-    count = STARTS // 2 if problem.straight else STARTS
+    count = STRAIGHT_STARTS if problem.straight else STARTS
     fresh = (count - KEPT) * (GROUPS // len(rngs))
     starts, end = [], 0
     for rows, variants in zip(best, near, strict=True):

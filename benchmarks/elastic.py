@@ -1,0 +1,128 @@
+"""Hits on elastic joints, in closed form and in the engine: `python -m benchmarks.elastic 60`."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+import hitjoints as hj
+from hitjoints.evidence.physics.engine_scene import ImpactState
+from hitjoints.evidence.physics.setting import Setting
+from hitjoints.evidence.physics.strike import strike
+from tests.oracles.random_rollouts import feasible_hits
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from hitjoints.model.robot import Robot
+
+ARMS: dict[str, float | None] = {"iiwa14": None, "panda": None, "xarm7": 0.5}
+"""Each with its rotor inertia, kg m^2, where the robot does not know it: then it is a guess."""
+TIMES = (1e-3, 5e-3, 1e-2, 2e-2)
+STIFFNESS = 1e4
+GAIN = 50.0
+"""N m s/rad, of velocity servos at the motors of every other hit."""
+SLOWEST = 0.2
+"""m/s: an arm next to a singularity whirls, and its contact hardly moves."""
+GRAZING = 0.05
+"""Share of the contact time: a second contact that follows sooner makes the parting doubtful."""
+
+
+class Compared(NamedTuple):
+    """One hit: the object's speed off by a share of it, the robot's by a share of the hit's speed.
+
+    Attributes:
+        grazing: whether they part at all hangs on the last digits.
+    """
+
+    object_off: float
+    robot_off: float
+    grazing: bool
+
+
+def planned(name: str, count: int) -> list[tuple[ImpactState, float]]:
+    """Return random planned hits, each with its restitution.
+
+    Joints 5 to 7, all directions, 0.2 m/s or faster, 0.5 to 4 kg, 30 to 80 % of the greatest flux,
+    restitution 0.2 to 0.95; the arm moves straight along the direction, no more than it must.
+    """
+    random = np.random.default_rng(5)
+    robot = hj.load_robot(name)
+    found: list[tuple[ImpactState, float]] = []
+    for hit, prepared in feasible_hits(robot, 2 * count, away=name == "iiwa14"):
+        assert hit.contact is not None
+        assert hit.flux is not None
+        q, contact = prepared.q_hit, robot.contact(hit.contact)
+        inertia = hj.directional_inertia(robot, q, contact, hit.direction)
+        speed = hj.required_speed(inertia, hit.mass, hit.flux)
+        if speed < SLOWEST:
+            continue
+        qd = np.linalg.pinv(hj.jacobian(robot, q, contact)) @ (speed * hit.direction)
+        place = hj.position(robot, q, contact)
+        state = ImpactState(contact, hit.direction, hit.mass, q, qd, place)
+        found.append((state, float(random.uniform(0.2, 0.95))))
+        if len(found) == count:
+            break
+    return found
+
+
+def rotors_of(name: str) -> tuple[Robot, NDArray[np.float64]]:
+    """Return an arm and its reflected rotor inertias, known or guessed."""
+    robot, guess = hj.load_robot(name), ARMS[name]
+    if guess is not None:
+        return robot, np.full(robot.n, guess)
+    assert robot.rotor_inertia is not None
+    return robot, robot.rotor_inertia
+
+
+def compare(
+    name: str, hits: list[tuple[ImpactState, float]], contact_time: float
+) -> Iterator[Compared]:
+    """Yield how far hits in the engine are from the closed form.
+
+    Args:
+        name: of the arm.
+        hits: as `planned` returns them.
+        contact_time: s, of the rigid pair.
+    """
+    robot, rotors = rotors_of(name)
+    for i, (state, eps) in enumerate(hits):
+        speed, gain = state.speed(robot), GAIN * (i % 2)
+        how = Setting(
+            eps,
+            contact_time=contact_time,
+            servo_gain=gain,
+            stiffness=(STIFFNESS,) * robot.n,
+            rotors=tuple(rotors.tolist()),
+        )
+        engine = strike(robot, state, how, lambda _, qd=state.qd: qd)  # type: ignore[misc]
+        told = hj.elastic_impact(
+            robot, state.q, state.contact, state.direction, state.mass, speed, eps, contact_time,
+            STIFFNESS, servo=(0.0, gain), qd=state.qd, rotor_inertia=rotors,
+        )  # fmt: skip
+        again = told.second_contact
+        yield Compared(
+            abs(told.object_speed / engine.object_speed - 1.0),
+            abs(told.robot_speed - speed - engine.rebound) / speed,
+            again is not None and again < GRAZING * contact_time,
+        )
+
+
+def main(count: int) -> None:
+    """Print the errors of each arm at each contact time."""
+    print("arm      contact  object speed off, %: median, 95 of 100, most   robot speed, % of v")
+    for name in ARMS:
+        hits = planned(name, count)
+        for time in TIMES:
+            found = list(compare(name, hits, time))
+            off = 100 * np.array([one[:2] for one in found if not one.grazing])
+            cells = ["  ".join(f"{v:6.3f}" for v in np.percentile(x, (50, 95, 100))) for x in off.T]
+            grazing = sum(one.grazing for one in found)
+            print(f"{name:8} {1e3 * time:4.0f} ms  {cells[0]}   {cells[1]}  grazing: {grazing}")
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 60)
