@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar
 import typer
 
 from .option_groups import OptionGroup
-from .options import numbers, triple
+from .options import SeedOption, numbers, triple
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class StartOptions(OptionGroup):
             "--torque-limits", help="Keep the effort limits too: start at rest, speed up."
         ),
     ] = False
-    seed: Annotated[int, typer.Option("--seed", help="Seed of everything random.")] = 0
+    seed: SeedOption = 0
 
     def arguments(self, planned: dict[str, Any]) -> dict[str, Any]:
         """Return the arguments of `rollout` for its start.
@@ -70,7 +70,7 @@ def _read_plan(path: Path, robot: str) -> dict[str, Any]:
         found = {"position": plan["position"], "mass": plan["mass"]}
         found["directions"] = (plan["direction"],)
         if best is not None:
-            found |= {"joints": (best["joint"],), "q": best["q"]}
+            found |= {"joints": (best["joint"],), "q": best["q"], "offset": best.get("offset")}
         made_for = plan["robot"]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError("plan", path, f"it is not a plan ({error})") from None

@@ -31,9 +31,12 @@ from .errors import (
 from .errors import (
     SolverError as SolverError,
 )
+from .evidence.calibration.past_hits import calibrate as calibrate
 from .evidence.paper.reproduction import reproduce as reproduce
 from .evidence.physics.simulation import simulate as simulate
 from .evidence.recordings.replayer import replay as replay
+from .goals.landing import Landing as Landing
+from .goals.landing import landing as landing
 from .hit import Hit as Hit
 from .hitting.controller import Controller as Controller
 from .impact.collision import (
@@ -63,6 +66,7 @@ from .maps.workspace import open_map as open_map
 from .maps.workspace import sweep_workspace as sweep_workspace
 from .model.robot import Contact as Contact
 from .model.robot import Robot as Robot
+from .model.tool import Tool as Tool
 from .planning.learning.feasibility import (
     learn_feasibility as learn_feasibility,
 )
@@ -88,4 +92,7 @@ from .quantities import (
 )
 from .rollouts.follow import rollout as rollout
 from .show.viewer import view as view
+from .swings.drive_limits import DriveLimits as DriveLimits
+from .swings.make_swing import swing as swing
+from .swings.swing_record import Swing as Swing
 from .version import __version__ as __version__

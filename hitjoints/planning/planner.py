@@ -163,11 +163,11 @@ def plan(
         one = plan_joint(hit, objective, flux, seed, certificate, demands, near)
         if one.q is not None and surroundings is not None:
             one = replace(one, clearance=surroundings.report(robot, one.q, hit.contact, h))
-        found.append(one)
+        found.append(replace(one, offset=hit.contact.offset))
     best, candidates = _compare(found, RANKED_BY[objective])
     begin = None
     if start and best is not None:
-        chosen = next(hit for hit in hits if hit.contact.joint == best.joint)
+        chosen = next(hit for hit in hits if _is_of(hit, best))
         begin = _start(chosen, best, flux, torque_limits)
     costs = tuple(
         torque_cost(robot, one.q, hit.contact, h, mass)
@@ -228,3 +228,7 @@ def _compare(
             said.append(one)
         best = said[-1] if one is winner else best
     return best, tuple(said)
+
+
+def _is_of(hit: Hit, one: Candidate) -> bool:
+    return (hit.contact.joint, hit.contact.offset) == (one.joint, one.offset)

@@ -25,6 +25,9 @@ CASES = {
     "short direction": (["inspect", "--direction", "0,1"], ["direction", "three numbers"]),
     "nan direction": (["inspect", "--direction", "0,nan,1"], ["direction", "finite"]),
     "short offset": (["inspect", "--offset", "0,1"], ["offset", "three numbers"]),
+    "an offset off any arm": (["inspect", "--offset", "1e308,0,0"], ["offset", "beyond 100 m"]),
+    "a box too small": (["simulate", "--size", "1e-6,1,1"], ["size", "edges from 0.001 to 10 m"]),
+    "a box too large": (["simulate", "--size", "1e12,1,1"], ["size", "edges from 0.001 to 10 m"]),
     "negative mass": (["inspect", "--mass", "-2"], ["mass = -2", "more than 0 kg"]),
     "nan mass": (["inspect", "--mass", "nan"], ["mass = nan", "more than 0 kg"]),
     "mass of a sweep": (["sweep", "joint", "--mass", "0"], ["mass = 0", "more than 0 kg"]),
@@ -35,6 +38,29 @@ CASES = {
     "descending grid": (["sweep", "workspace", "--x", "1:0:5"], ["x = ", "ascending"]),
     "empty grid": (["sweep", "workspace", "--x", "0:1:0"], ["x = ", "ascending"]),
     "no samples": (["sweep", "workspace", "--samples", "0"], ["samples = 0", "at least 1"]),
+    "too many samples": (
+        ["sweep", "workspace", "--samples", "1000000000"],
+        ["samples = 1000000000", "at most 1000000"],
+    ),
+    "too many angles": (
+        ["sweep", "joint", "--count", "2147483648"],
+        ["count = 2147483648", "at most 1000000"],
+    ),
+    "too long an axis": (
+        ["sweep", "workspace", "--y", "0:1:1000000000"],
+        ["y = 1000000000", "at most 100000"],
+    ),
+    "too large a grid": (
+        ["sweep", "workspace", "--x", "0:1:100000", "--y", "0:1:100000"],
+        ["10000000000 positions", "at most 100000000"],
+    ),
+    "too large for the memory": (
+        ["sweep", "workspace", "--x", "0:1:1000", "--y", "0:1:1000", "--z", "0:1:10"],
+        ["out = ", "4.8 GB", "name a Zarr store"],
+    ),
+    "too many threads": (["sweep", "workspace", "--threads", "9999"], ["threads = 9999", "1024"]),
+    "too large a box": (["simulate", "--size", "1e12,1,0.2"], ["size", "from 0.001 to 10 m"]),
+    "too small a box": (["simulate", "--size", "1e-6,1e-6,1e-6"], ["from 0.001 to 10 m"]),
 }
 
 
@@ -59,7 +85,12 @@ def test_one_line_and_exit_code_1(run, name, as_json):
         ["inspect", "--mass", "heavy"],
         ["inspect", "--no-such-option"],
         ["sweep", "workspace", "--x", "0:1"],
+        ["sweep", "workspace", "--x", "0:inf:2"],
+        ["sweep", "workspace", "--seed", "18446744073709551616"],
+        ["sweep", "joint", "--seed", "-1"],
         ["no-such-command"],
+        ["sweep", "joint", "--seed", "18446744073709551616"],
+        ["plan", "--seed", "-1"],
     ],
 )
 def test_wrong_usage(run, arguments):
@@ -71,7 +102,7 @@ def test_wrong_usage(run, arguments):
 
 @pytest.mark.parametrize(
     ("text", "reason"),
-    [("<robot", "not well-formed XML"), ("<sdf/>", "not a URDF"), (FLOATING, "base floats")],
+    [("<robot", "not well-formed XML"), ("<sdf/>", "it is an SDF"), (FLOATING, "base floats")],
 )
 def test_robot_files(run, tmp_path, text, reason):
     path = tmp_path / "arm.urdf"
@@ -118,3 +149,11 @@ def test_the_disk_refuses(run, tmp_path, monkeypatch):
     assert outcome.code == 1
     assert "No space left" in outcome.err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_contact_that_rounding_says_no_joint_beyond_leaves_where_it_is(run):
+    """No joint is left to cut the certificate's box by, and the box stays open."""
+    words = ["plan", "--joint", 7, "--offset", "5e-324,-0.0401,0.76"]
+    outcome = run(*words, "--object=-0.615,1e-18,0.714", "--json")
+    assert outcome.code in (0, 3)
+    assert outcome.json["candidates"][0]["joint"] == 7

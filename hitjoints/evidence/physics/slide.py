@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.errors import SolverError
-from hitjoints.evidence.physics.engine import engine
+from hitjoints.evidence.physics.engine import compiled, engine
 from hitjoints.evidence.physics.engine_scene import add_box, add_table, set_options
 
 if TYPE_CHECKING:
@@ -58,14 +58,16 @@ def slide(impact: ImpactState, setting: Setting, qpos: Array, qvel: Array) -> Sl
     centre = impact.box_centre(setting)
     add_box(spec, centre, impact.axes, impact.mass, setting.size)
     add_table(spec, centre, setting.size, setting.friction)
-    model = spec.compile()
+    model = compiled(spec, "box")
     data = mujoco.MjData(model)
     data.qpos[:], data.qvel[:] = qpos, qvel
     times, poses, speeds = [0.0], [data.qpos.copy()], [float(h @ data.qvel[:3])]
     while np.abs(data.qvel).max() > AT_REST:
-        if data.time > LONGEST:
+        if len(times) * STEP > LONGEST:
             raise SolverError(f"the box does not come to rest within {LONGEST:g} s")
         mujoco.mj_step(model, data)
+        if not np.isfinite(data.qvel).all():
+            raise SolverError("the engine loses the box while it slides")
         times.append(data.time)
         poses.append(data.qpos.copy())
         speeds.append(float(h @ data.qvel[:3]))
