@@ -131,7 +131,7 @@ def _check_placeholders(links: Sequence[Link]) -> list[Issue]:
             "warning",
             ", ".join(names),
             f"{len(names)} links have the same mass {key[0]:g} kg and tensor: placeholders",
-            "every inertia computed from them is a guess",
+            "the inertias computed from them are guesses",
             at_load=True,
         )
         for key, names in alike.items()
