@@ -30,7 +30,7 @@ def straight_velocities(pull: Array, across: Array, lower: Array, upper: Array) 
     Args:
         pull: (N, n) m/rad, g = J^T h.
         across: (N, 2, n) m/rad, the lateral rows a = B^T J.
-        lower, upper: (n,) rad/s.
+        lower, upper: (n,) rad/s, or (N, n).
     """
     rows, n = pull.shape
     pairs = np.array(list(combinations(range(n), 2)), dtype=int).reshape(-1, 2)
@@ -51,7 +51,8 @@ def straight_velocities(pull: Array, across: Array, lower: Array, upper: Array) 
         mu = np.concatenate((mu, single.transpose(0, 2, 1), np.zeros((rows, 1, 2))), axis=1)
         usable = np.concatenate((usable, moving, np.ones((rows, 1), dtype=bool)), axis=1)
     reduced = pull[:, None, :] + mu @ across
-    dual = np.maximum(reduced * upper, reduced * lower).sum(axis=2)
+    low, high = np.atleast_2d(lower)[:, None, :], np.atleast_2d(upper)[:, None, :]
+    dual = np.maximum(reduced * high, reduced * low).sum(axis=2)
     best = np.argmin(np.where(usable, dual, np.inf), axis=1)
     chosen = reduced[np.arange(rows), best]
     size = np.abs(pull).max(axis=1, initial=0.0, keepdims=True)
