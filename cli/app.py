@@ -8,7 +8,7 @@ import typer
 
 from hitjoints.version import __version__
 
-from . import inspect, plan, replay, reproduce, robots, rollout, simulate, sweep, view
+from . import inspect, plan, replay, reproduce, robots, rollout, simulate, sweep, swing, view
 from .option_groups import grouped
 
 app = typer.Typer(
@@ -24,6 +24,7 @@ app.command("inspect")(grouped(inspect.inspect))
 app.add_typer(sweep.app, name="sweep")
 app.command("plan")(grouped(plan.plan))
 app.command("rollout")(grouped(rollout.rollout))
+app.command("swing")(grouped(swing.swing))
 app.command("simulate")(grouped(simulate.simulate))
 app.command("replay")(grouped(replay.replay))
 app.command("reproduce")(grouped(reproduce.reproduce))

@@ -8,6 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
+MOST = 2**63 - 1  # what files can hold
+
 
 def numbers(text: str) -> list[float]:
     """Read "x,y,z"."""
@@ -83,4 +85,6 @@ OutOption = Annotated[
 PlotOption = Annotated[
     Path | None, typer.Option("--plot", metavar="FILE", help="Draw the figure: .png, .pdf or .svg.")
 ]
-SeedOption = Annotated[int, typer.Option("--seed", help="Seed of everything random.")]
+SeedOption = Annotated[
+    int, typer.Option("--seed", min=0, max=MOST, help="Seed of everything random.")
+]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
@@ -27,6 +27,20 @@ class RobotOptions(OptionGroup):
         str,
         typer.Option("--robot", metavar="NAME|FILE", help="Built-in name, or a URDF or TOML file."),
     ] = ROBOT
+    tip: Annotated[
+        str | None,
+        typer.Option("--tip", metavar="LINK", help="Link the arm ends with, if there are several."),
+    ] = None
+    base: Annotated[
+        str | None,
+        typer.Option("--base", metavar="LINK", help="Link the arm stands on. (default: the root)"),
+    ] = None
+    lock: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--lock", metavar="NAME[=VALUE]", help="Joint to hold, at 0 or there; may be repeated."
+        ),
+    ] = None
     package_dirs: Annotated[
         list[Path] | None,
         typer.Option(
@@ -40,6 +54,17 @@ class RobotOptions(OptionGroup):
         ),
     ] = None
 
+    @property
+    def chosen(self) -> dict[str, Any]:
+        """The arguments of `load_robot` beside the source."""
+        return {
+            "tip": self.tip,
+            "base": self.base,
+            "lock": self.lock,
+            "package_dirs": self.package_dirs or (),
+            "xacro_args": assigned(self.xacro_args or ()),
+        }
+
     def load(self) -> Robot:
         """Load it.
 
@@ -48,11 +73,7 @@ class RobotOptions(OptionGroup):
         """
         from hitjoints.loading.load import load_robot
 
-        return load_robot(
-            self.robot,
-            package_dirs=self.package_dirs or (),
-            xacro_args=assigned(self.xacro_args or ()),
-        )
+        return load_robot(self.robot, **self.chosen)
 
 
 def assigned(words: Sequence[str]) -> dict[str, str]:

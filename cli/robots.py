@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .complaints import complain
+from .option_groups import grouped, without
 from .options import JsonOption
 from .render import print_json, print_table
-from .robot_options import ROBOT
+from .robot_options import ROBOT, RobotOptions
 
 if TYPE_CHECKING:
     from hitjoints.loading.check import Issue
@@ -26,18 +27,19 @@ def root(context: typer.Context) -> None:
 
 @app.command("list")
 def list_robots(as_json: JsonOption = False) -> None:
-    """List the built-in robots."""
+    """List the robots that are known by name, with where their arms end and their sources."""
     from hitjoints.loading.catalogue import robot_names
-    from hitjoints.loading.load import load_robot
+    from hitjoints.loading.load import read_robot
 
     rows = []
     for name in robot_names():
-        robot = load_robot(name)
+        _, arm, robot = read_robot(name)
         rows.append(
             {
                 "name": name,
                 "title": robot.title,
                 "joints": robot.n,
+                "tip": arm.tip,
                 "hitting_joints": robot.hitting_joints,
                 "home": robot.home,
                 "licence": robot.licence,
@@ -47,7 +49,7 @@ def list_robots(as_json: JsonOption = False) -> None:
     if as_json:
         print_json({"robots": rows})
         return
-    columns = ("name", "title", "joints", "hitting_joints", "licence")
+    columns = ("name", "title", "joints", "tip", "hitting_joints", "licence")
     print_table(
         "Robots that come with hitjoints",
         [column.replace("_", " ") for column in columns],
@@ -56,8 +58,8 @@ def list_robots(as_json: JsonOption = False) -> None:
     )
 
 
-@app.command("check")
 def check(
+    options: Annotated[RobotOptions, without("robot")],
     robot: Annotated[str, typer.Argument(metavar="NAME|FILE", help="The robot.")] = ROBOT,
     strict: Annotated[
         bool, typer.Option("--strict", help="Leave with exit code 3 when there is an error.")
@@ -67,13 +69,10 @@ def check(
     """Check the inertias and limits of a robot description, and say what a fault does."""
     from hitjoints.errors import ModelError
     from hitjoints.loading.check import Issue, check_arm, check_shapes
-    from hitjoints.loading.load import build_robot, read_arm
-    from hitjoints.loading.source import describe
+    from hitjoints.loading.load import read_robot
 
     try:
-        description = describe(robot)
-        arm = read_arm(description)
-        built = build_robot(description, arm)
+        description, arm, built = read_robot(robot, **options.chosen)
         issues = check_arm(arm, built) + check_shapes(built)
     except ModelError as error:
         _print_issues(robot, [Issue("error", "", error.reason, "it cannot be loaded")], as_json)
@@ -82,6 +81,9 @@ def check(
     if strict and any(issue.severity == "error" for issue in issues):
         complain("no", f"{description.name} has inertias that cannot be trusted")
         raise typer.Exit(3)
+
+
+app.command("check")(grouped(check))
 
 
 def _print_issues(name: str, issues: list[Issue], as_json: bool) -> None:

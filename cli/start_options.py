@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar
 import typer
 
 from .option_groups import OptionGroup
-from .options import numbers, triple
+from .options import SeedOption, numbers, triple
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class StartOptions(OptionGroup):
             "--torque-limits", help="Keep the effort limits too: start at rest, speed up."
         ),
     ] = False
-    seed: Annotated[int, typer.Option("--seed", help="Seed of everything random.")] = 0
+    seed: SeedOption = 0
 
     def arguments(self, planned: dict[str, Any]) -> dict[str, Any]:
         """Return the arguments of `rollout` for its start.

@@ -34,6 +34,8 @@ from .errors import (
 from .evidence.paper.reproduction import reproduce as reproduce
 from .evidence.physics.simulation import simulate as simulate
 from .evidence.recordings.replayer import replay as replay
+from .goals.landing import Landing as Landing
+from .goals.landing import landing as landing
 from .hit import Hit as Hit
 from .hitting.controller import Controller as Controller
 from .impact.collision import (
@@ -88,4 +90,7 @@ from .quantities import (
 )
 from .rollouts.follow import rollout as rollout
 from .show.viewer import view as view
+from .swings.drive_limits import DriveLimits as DriveLimits
+from .swings.make_swing import swing as swing
+from .swings.swing_record import Swing as Swing
 from .version import __version__ as __version__

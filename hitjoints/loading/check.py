@@ -52,10 +52,16 @@ class Issue:
         }
 
 
-def check_arm(arm: Arm, robot: Robot) -> list[Issue]:
-    """Check link inertias, joint limits and what is missing; the gravest findings first."""
+def check_arm(arm: Arm, robot: Robot, doubts: bool = True) -> list[Issue]:
+    """Check link inertias, joint limits and what is missing; the gravest findings first.
+
+    Args:
+        arm: what the robot was made of.
+        robot: the robot.
+        doubts: judge what is possible but unlikely too, which loading has no time for.
+    """
     issues = [
-        *(_check_links(arm, robot) if robot.has_mass else _no_mass()),
+        *(_check_links(arm, robot, doubts) if robot.has_mass else _no_mass()),
         *_check_limits(robot),
         *_check_held(arm),
         *_check_drives(robot),
@@ -68,45 +74,48 @@ def _no_mass() -> list[Issue]:
     return [Issue("error", "every link", "no link has mass", effect, at_load=True)]
 
 
-def _check_links(arm: Arm, robot: Robot) -> list[Issue]:
+def _check_links(arm: Arm, robot: Robot, doubts: bool) -> list[Issue]:
     reach = sum(link.size for link in arm.links if link.moving)
     # The base does not move: its inertia plays no part.
     links = [link for link in arm.links if link_frame(link, robot).parentJoint]
     faults = [fault for link in links if (fault := tensor_fault(link, reach)) is not None]
-    doubts = [
+    missing = [
         Issue("warning", fault.link.name, fault.problem, "it deserves a second look")
         for fault in faults
         if fault.possible is None
     ]
-    impossible = [fault for fault in faults if fault.possible is not None]
+    wrong = [fault for fault in faults if fault.possible is not None]
     return [
-        *_judge(impossible, robot),
+        *_judge([fault for fault in wrong if not fault.doubtful], robot, "error"),
         *_check_mass_matrix(robot),
-        *doubts,
+        *_judge([fault for fault in wrong if fault.doubtful and doubts], robot, "warning"),
+        *missing,
         *_check_placeholders(links),
     ]
 
 
-def _judge(faults: Sequence[TensorFault], robot: Robot) -> list[Issue]:
-    """Judge impossible tensors by what they do: each alone, and together those that do little."""
+def _judge(faults: Sequence[TensorFault], robot: Robot, severity: str) -> list[Issue]:
+    """Judge wrong tensors by what they do: each alone, and together those that do little."""
     issues, small = [], []
+    loud = severity == "error"
     for fault in faults:
         effect = effect_of([fault], robot)
         if effect is None:
             without = "the directional inertia is not defined without it"
-            issues.append(Issue("error", fault.link.name, fault.problem, without, at_load=True))
+            issues.append(Issue(severity, fault.link.name, fault.problem, without, loud))
         elif effect.matters:
             words = f"it multiplies {effect}"
-            issues.append(Issue("error", fault.link.name, fault.problem, words, at_load=True))
+            issues.append(Issue(severity, fault.link.name, fault.problem, words, loud))
         else:
             small.append((fault, f"it multiplies {effect}: that does not matter"))
     together = effect_of([fault for fault, _ in small], robot) if len(small) > 1 else None
     if together is None or not together.matters:
         return issues + [Issue("note", f.link.name, f.problem, words) for f, words in small]
     names = ", ".join(fault.link.name for fault, _ in small)
-    problem = f"{len(small)} impossible tensors, the first: {small[0][0].problem}"
+    kind = "doubtful" if small[0][0].doubtful else "impossible"
+    problem = f"{len(small)} {kind} tensors, the first: {small[0][0].problem}"
     words = f"together they multiply {together}"
-    return [*issues, Issue("error", names, problem, words, at_load=True)]
+    return [*issues, Issue(severity, names, problem, words, loud)]
 
 
 def _check_placeholders(links: Sequence[Link]) -> list[Issue]:

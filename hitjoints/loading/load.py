@@ -25,7 +25,6 @@ from hitjoints.model.compare import compare_model
 from hitjoints.model.robot import Contact, Robot
 from hitjoints.model.tips import end_rank
 from hitjoints.model.turns import middle
-from hitjoints.model.urdf import read_urdf
 from hitjoints.model.urdf_text import urdf_text
 
 Lock = str | Iterable[str] | Mapping[str, float] | None
@@ -68,13 +67,28 @@ def load_robot(
         ModelWarning: an inertia is physically impossible or out of proportion; the text says what
             that does to the directional inertia.
     """
-    description = describe(source, package_dirs, xacro_args)
-    arm = read_arm(description, tip, base, lock)
-    robot = build_robot(description, arm)
-    for issue in check_arm(arm, robot):
+    _, arm, robot = read_robot(source, tip, base, lock, package_dirs, xacro_args)
+    for issue in check_arm(arm, robot, doubts=False):
         if issue.at_load:
             warnings.warn(f"{robot.name}: {issue}", ModelWarning, stacklevel=2)
     return robot
+
+
+def read_robot(
+    source: str | Path,
+    tip: str | None = None,
+    base: str | None = None,
+    lock: Lock = None,
+    package_dirs: Sequence[str | Path] = (),
+    xacro_args: Mapping[str, str] | None = None,
+) -> tuple[Description, Arm, Robot]:
+    """Load an arm without a word on what is doubtful, with what it was made of.
+
+    Arguments and errors as `load_robot`.
+    """
+    description = describe(source, package_dirs, xacro_args)
+    arm = read_arm(description, tip, base, lock)
+    return description, arm, build_robot(description, arm)
 
 
 def read_arm(
@@ -90,7 +104,7 @@ def read_arm(
     except InputError as error:
         raise ModelError(name, str(error)) from None
     return choose_arm(
-        read_urdf(description.text, description.source),
+        description.tree,
         description.source,
         facts.get("tip") if tip is None else tip,
         facts.get("base") if base is None else base,
@@ -108,12 +122,15 @@ def build_robot(description: Description, arm: Arm) -> Robot:
     facts, name = description.facts, description.name
     model = _model(arm, name)
     n = model.nv
-    model.armature = per_joint(facts, "armature", np.zeros(n), name)
+    chain = [arm.tree.joints[joint] for joint in arm.joints]
+    told = np.array([joint.armature for joint in chain])
+    model.armature = per_joint(facts, "armature", told, name)
     if (model.armature < 0).any():
         raise ModelError(name, f"armature = {shown(facts['armature'])} must not be negative")
-    turning = np.array([arm.tree.joints[joint].kind != "prismatic" for joint in arm.joints])
+    turning = np.array([joint.kind != "prismatic" for joint in chain])
     usual = middle(model.lowerPositionLimit, model.upperPositionLimit, turning)
-    home = per_joint(facts, "home", usual, name)
+    rest = [m if joint.home is None else joint.home for joint, m in zip(chain, usual, strict=True)]
+    home = per_joint(facts, "home", np.array(rest), name)
     joints = tuple(facts.get("hitting_joints", range(max(1, n - 2), n + 1)))
     if not joints or not all(type(k) is int and 1 <= k <= n for k in joints):
         raise ModelError(name, f"hitting_joints = {shown(joints)} must be joints from 1 to {n}")

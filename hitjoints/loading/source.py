@@ -1,8 +1,9 @@
-"""From what a user names to a URDF text: built-in names, files, or the text itself."""
+"""From what a user names, or a text itself, to a tree of links and joints."""
 
 from __future__ import annotations
 
 import os
+import re
 import stat
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,10 +11,13 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
-from hitjoints.errors import InputError, UnknownNameError
+from hitjoints.errors import InputError, ModelError, UnknownNameError
 from hitjoints.loading.catalogue import ERD, erd_directory, erd_urdfs, robot_file, robot_names
 from hitjoints.loading.facts import Facts, read_facts
+from hitjoints.loading.mjcf import read_mjcf
 from hitjoints.loading.xacro_file import expand_xacro
+from hitjoints.model.tree import Tree
+from hitjoints.model.urdf import read_urdf
 
 LARGEST = 1 << 26  # bytes of a description
 ENDINGS = (".urdf", ".xacro", ".xml")
@@ -22,17 +26,17 @@ BLANK = "\ufeff \t\r\n"  # what may come before a description begins
 
 @dataclass(frozen=True)
 class Description:
-    """A robot's description and what its TOML adds, read and not yet understood."""
+    """A robot's description and what its TOML adds, before an arm is chosen in it."""
 
     name: str
     source: str
     """What to call it in messages."""
-    text: str = field(repr=False)
-    """URDF, whatever the source was written in."""
+    tree: Tree = field(repr=False)
+    """Its links and joints."""
     folder: Path | None
     """Where the file lies; None for a description given as text."""
     kind: str
-    """What the source was written in: urdf or xacro."""
+    """What the source is written in: urdf, xacro or mjcf."""
     facts: Facts = field(default_factory=dict)
     """The TOML's entries; empty without one."""
     package_dirs: tuple[str, ...] = ()
@@ -69,7 +73,20 @@ def describe(
         name_of_one = next(iter(arguments))
         raise InputError("xacro-arg", name_of_one, f"{called} is no xacro file (*.xacro)")
     folder = None if path is None else Path(os.path.abspath(path)).parent
-    return Description(name, called, text, folder, kind, facts, dirs)
+    if (tag := root_tag(text)) == "mujoco":
+        tree, kind = read_mjcf(text, path, called), "mjcf"
+    elif tag == "sdf":
+        reason = "it is an SDF, which hitjoints does not read: convert it to a URDF"
+        raise ModelError(called, reason)
+    else:
+        tree = read_urdf(text, called)
+    return Description(name, called, tree, folder, kind, facts, dirs)
+
+
+def root_tag(text: str) -> str:
+    """Return the name of a text's first element, "" when it has none."""
+    found = re.search(r"<([A-Za-z_][^\s/>]*)", re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL))
+    return found[1] if found else ""
 
 
 def is_text(source: str) -> bool:

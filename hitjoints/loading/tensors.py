@@ -31,13 +31,15 @@ class TensorFault:
     Attributes:
         link: the link.
         problem: in words, with the numbers.
-        possible: (3, 3) kg m^2, the tensor nearest to it that a body can have; None where the
-            fault is only a doubt, or nothing can be said without the tensor.
+        possible: (3, 3) kg m^2, the tensor nearest to it that a body can have; None where a mass
+            or tensor is missing.
+        doubtful: a body of unlikely shape could have it.
     """
 
     link: Link
     problem: str
     possible: NDArray[np.float64] | None
+    doubtful: bool = False
 
 
 def tensor_fault(link: Link, reach: float) -> TensorFault | None:  # noqa: PLR0911
@@ -71,7 +73,7 @@ def tensor_fault(link: Link, reach: float) -> TensorFault | None:  # noqa: PLR09
     size = link.size + THICKNESS * reach
     if gyration > size:
         problem = f"{radius} is out of proportion to a link of about {size:.2g} m"
-        return TensorFault(link, problem, None)
+        return TensorFault(link, problem, link.inertia * (size / gyration) ** 2, doubtful=True)
     return None
 
 
@@ -108,7 +110,7 @@ class Effect:
 
 
 def effect_of(faults: Sequence[TensorFault], robot: Robot) -> Effect | None:
-    """Measure what some impossible tensors do together, against the nearest possible ones.
+    """Measure what some wrong tensors do together, against the nearest possible ones.
 
     It is measured at the joint that carries the last of them, or at the flange where it does more,
     or where the joint's origin cannot move. None: without them no directional inertia is defined.

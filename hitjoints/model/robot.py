@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+FARTHEST = 100.0
+"""m from a joint to a point of its link; of what lies farther, rounding is what remains."""
 COINCIDE = 1e-3  # m; origins that are nearer than this to each other are one
 
 
@@ -38,9 +40,10 @@ class Contact:
         if isinstance(self.joint, np.integer):
             # Pinocchio takes Python's integers alone.
             object.__setattr__(self, "joint", int(self.joint))
-        values = real(self.offset, "offset", "three finite numbers in metres")
-        if values.shape != (3,) or not np.isfinite(values).all():
-            raise InputError("offset", self.offset, "three finite numbers in metres")
+        expected = f"three finite numbers in metres, none beyond {FARTHEST:g} m"
+        values = real(self.offset, "offset", expected)
+        if values.shape != (3,) or not (np.abs(values) <= FARTHEST).all():
+            raise InputError("offset", self.offset, expected)
         object.__setattr__(self, "offset", tuple(float(v) for v in values))
 
     @cached_property

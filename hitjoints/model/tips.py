@@ -68,7 +68,7 @@ def find_tip(tree: Tree, held: Collection[str], source: str) -> str:
     ends = branches(tree, without)
     if len(ends) == 1:
         return ends[0].tip
-    raise ModelError(source, f"it ends in {len(ends)} places: {_listed(named, ends)}")
+    raise ModelError(source, _listed(named, ends))
 
 
 def is_finger(joint: Connection) -> bool:
@@ -143,7 +143,8 @@ def _listed(named: list[Branch], ends: list[Branch]) -> str:
     first = list(choices)
     words = [f"--tip {tip} ({_counted(choices[tip])})" for tip in first[:MOST_LISTED]]
     more = f", or one of {len(first) - MOST_LISTED} more" if len(first) > MOST_LISTED else ""
-    return f'choose one with {", ".join(words)}{more} (in Python tip="{first[0]}")'
+    choose = f'choose one with {", ".join(words)}{more} (in Python tip="{first[0]}")'
+    return f"it ends in {len(first)} places: {choose}"
 
 
 def _counted(joints: int) -> str:

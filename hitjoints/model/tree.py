@@ -63,6 +63,10 @@ class Connection:
     """The joint it follows, at `mimic_factor` times its position plus `mimic_offset`."""
     mimic_factor: float = 1.0
     mimic_offset: float = 0.0
+    armature: float = 0.0
+    """kg m^2 (kg), reflected rotor inertia; a URDF has none."""
+    home: float | None = None
+    """rad or m, where the description puts it at rest; None when it does not say."""
 
     @property
     def moves(self) -> bool:

@@ -25,6 +25,9 @@ CASES = {
     "short direction": (["inspect", "--direction", "0,1"], ["direction", "three numbers"]),
     "nan direction": (["inspect", "--direction", "0,nan,1"], ["direction", "finite"]),
     "short offset": (["inspect", "--offset", "0,1"], ["offset", "three numbers"]),
+    "an offset off any arm": (["inspect", "--offset", "1e308,0,0"], ["offset", "beyond 100 m"]),
+    "a box too small": (["simulate", "--size", "1e-6,1,1"], ["size", "edges from 0.001 to 10 m"]),
+    "a box too large": (["simulate", "--size", "1e12,1,1"], ["size", "edges from 0.001 to 10 m"]),
     "negative mass": (["inspect", "--mass", "-2"], ["mass = -2", "more than 0 kg"]),
     "nan mass": (["inspect", "--mass", "nan"], ["mass = nan", "more than 0 kg"]),
     "mass of a sweep": (["sweep", "joint", "--mass", "0"], ["mass = 0", "more than 0 kg"]),
@@ -60,6 +63,8 @@ def test_one_line_and_exit_code_1(run, name, as_json):
         ["inspect", "--no-such-option"],
         ["sweep", "workspace", "--x", "0:1"],
         ["no-such-command"],
+        ["sweep", "joint", "--seed", "18446744073709551616"],
+        ["plan", "--seed", "-1"],
     ],
 )
 def test_wrong_usage(run, arguments):
@@ -118,3 +123,11 @@ def test_the_disk_refuses(run, tmp_path, monkeypatch):
     assert outcome.code == 1
     assert "No space left" in outcome.err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_contact_that_rounding_says_no_joint_beyond_leaves_where_it_is(run):
+    """No joint is left to cut the certificate's box by, and the box stays open."""
+    words = ["plan", "--joint", 7, "--offset", "5e-324,-0.0401,0.76"]
+    outcome = run(*words, "--object=-0.615,1e-18,0.714", "--json")
+    assert outcome.code in (0, 3)
+    assert outcome.json["candidates"][0]["joint"] == 7

@@ -9,6 +9,7 @@ import pytest
 
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InputError
+from hitjoints.evidence.physics.engine import engine
 from hitjoints.evidence.physics.engine_scene import ImpactState, build_scene
 from hitjoints.evidence.physics.setting import Setting, setting
 from hitjoints.evidence.physics.slide import slide
@@ -194,3 +195,16 @@ def test_what_cannot_be_set(name, value):
 def test_an_unknown_mode_lists_the_known_ones():
     with pytest.raises(InputError, match="ideal, realistic"):
         setting("perfect")
+
+
+def test_the_engine_writes_no_files_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    mujoco = engine()
+    model = mujoco.MjModel.from_xml_string(
+        '<mujoco><worldbody><body><freejoint/><geom size="1"/></body></worldbody></mujoco>'
+    )
+    data = mujoco.MjData(model)
+    data.qvel[:] = 1e300
+    mujoco.mj_step(model, data)
+    assert data.warning.number.sum() > 0
+    assert list(tmp_path.iterdir()) == []

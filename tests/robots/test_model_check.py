@@ -224,9 +224,12 @@ def test_mass_without_a_tensor_is_a_warning(last_link, urdf):
 
 
 def test_out_of_proportion_is_a_warning(last_link, urdf):
-    (issue,) = last_link(urdf.link("link_3", moments=(0.04, 0.04, 0.04)))
+    (issue,) = last_link(urdf.link("link_3", moments=(0.16, 0.16, 0.16)))
     assert issue.severity == "warning"
-    assert "radius of gyration 0.2 m is out of proportion to a link" in issue.problem
+    assert "radius of gyration 0.4 m is out of proportion to a link" in issue.problem
+    (issue,) = last_link(urdf.link("link_3", moments=(0.04, 0.04, 0.04)))
+    assert issue.severity == "note"
+    assert issue.effect.endswith("that does not matter")
 
 
 @pytest.mark.parametrize(

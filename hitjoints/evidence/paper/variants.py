@@ -9,7 +9,6 @@ import numpy as np
 from hitjoints.loading.load import build_robot, load_robot, read_arm
 from hitjoints.loading.source import describe
 from hitjoints.model.robot import Robot
-from hitjoints.model.urdf_text import urdf_text
 
 VARIANTS = ("iiwa14_bullet", "iiwa14", "iiwa14_phantom")
 PHANTOM_MASS = 1e-6
@@ -32,7 +31,7 @@ def phantom_robot() -> Robot:
     tree = read_arm(clean).tree
     moments = np.array([PHANTOM_INERTIA] * 3 + [0.0] * 3)
     flange = replace(tree.bodies["flange"], mass=PHANTOM_MASS, moments=moments, has_inertial=True)
-    text = urdf_text(replace(tree, bodies={**tree.bodies, "flange": flange}))
+    tree = replace(tree, bodies={**tree.bodies, "flange": flange})
     facts = {**clean.facts, "title": f"{clean.facts['title']}, phantom inertia at its flange"}
-    spoilt = replace(clean, name="iiwa14_phantom", text=text, facts=facts)
+    spoilt = replace(clean, name="iiwa14_phantom", tree=tree, facts=facts)
     return build_robot(spoilt, read_arm(spoilt))

@@ -9,8 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.dynamics.kinematics import jacobian
-from hitjoints.errors import ModelError
-from hitjoints.evidence.physics.engine import engine
+from hitjoints.evidence.physics.engine import compiled, engine
 from hitjoints.evidence.physics.engine_arm import add_motors, arm_spec, link_name, quaternion
 from hitjoints.impact.restitution import contact_spring
 
@@ -111,11 +110,7 @@ def build_scene(robot: Robot, impact: ImpactState, setting: Setting) -> tuple[An
         driven = [motor or link for motor, link in zip(motors, driven, strict=True)]
     if setting.servo_gain > 0:
         _add_servos(spec, robot, driven, setting.servo_gain)
-    try:
-        model = spec.compile()
-    except ValueError as error:  # such as moments of inertia that no body has
-        reason = " ".join(str(error).split()).removeprefix("Error: ")
-        raise ModelError(robot.name, f"the physics engine refuses it ({reason})") from None
+    model = compiled(spec, robot.name)
     data = mujoco.MjData(model)
     for names in (robot.joint_names, driven):
         for name, q, qd in zip(names, impact.q, impact.qd, strict=True):

@@ -20,6 +20,8 @@ STEP = 1e-5
 """s, the engine's step at most during the contact, and"""
 STEPS = 200
 """steps in each contact at least."""
+SMALLEST, LARGEST = 1e-3, 10.0
+"""m, edges of a box that the engine can follow."""
 SHORT = 1e-4
 """s, a contact that is an impact."""
 
@@ -57,8 +59,8 @@ class Setting:
 
     def __post_init__(self) -> None:
         check_restitution(self.restitution)
-        if len(self.size) != 3 or not all(0 < edge < math.inf for edge in self.size):
-            raise InputError("size", self.size, "three lengths above 0 m")
+        if len(self.size) != 3 or not all(SMALLEST <= edge <= LARGEST for edge in self.size):
+            raise InputError("size", self.size, f"three edges from {SMALLEST:g} to {LARGEST:g} m")
         for name in ("friction", "servo_gain", "contact_friction"):
             value = getattr(self, name)
             if not 0 <= value < math.inf:

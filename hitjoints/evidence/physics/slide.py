@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.errors import SolverError
-from hitjoints.evidence.physics.engine import engine
+from hitjoints.evidence.physics.engine import compiled, engine
 from hitjoints.evidence.physics.engine_scene import add_box, add_table, set_options
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def slide(impact: ImpactState, setting: Setting, qpos: Array, qvel: Array) -> Sl
     centre = impact.box_centre(setting)
     add_box(spec, centre, impact.axes, impact.mass, setting.size)
     add_table(spec, centre, setting.size, setting.friction)
-    model = spec.compile()
+    model = compiled(spec, "box")
     data = mujoco.MjData(model)
     data.qpos[:], data.qvel[:] = qpos, qvel
     times, poses, speeds = [0.0], [data.qpos.copy()], [float(h @ data.qvel[:3])]

@@ -102,8 +102,10 @@ def certify(task: Task, q: Array, joints: tuple[int, ...] | None = None) -> Cert
         todo = admissible & (upper > (1.0 + GAP) * found)
         done = admissible & ~todo
         closed = max(closed, float(upper[done].max(initial=0.0)))
-        upper = upper[todo]
-        low, high = _cut(low[todo], high[todo], reduction[todo])
+        upper, low, high = upper[todo], low[todo], high[todo]
+        if not len(at):
+            break  # no joint to cut by: what rounding leaves open stays open
+        low, high = _cut(low, high, reduction[todo])
     bounded = max(closed, float(upper.max(initial=0.0)) if len(low) else 0.0)
     return Certificate(
         found,

@@ -56,31 +56,47 @@ class Scene:
 
     def own_distance(self, q: Array) -> tuple[float, tuple[str, str]]:
         """Return the least distance of two links at q and their names; leave the arm there."""
-        pin.computeDistances(self.model, self.data, self.shapes, self.geometry, q)
-        distances = [result.min_distance for result in self.geometry.distanceResults]
+        distances = self.own_distances(q)
         if not distances:
             return np.inf, ("", "")
         least = int(np.argmin(distances))
         return distances[least], self.pairs[least]
 
+    def own_distances(self, q: Array) -> list[float]:
+        """Return the distances of all `pairs` of links at q; leave the arm there."""
+        pin.computeDistances(self.model, self.data, self.shapes, self.geometry, q)
+        return [result.min_distance for result in self.geometry.distanceResults]
+
     def distance(self, solid: Any, placement: Any, shapes: list[int]) -> tuple[float, str]:
         """Return the least distance of some shapes, where they are, from a solid; and which."""
-        distances = [self._distance(i, solid, placement) for i in shapes]
+        distances = self.distances(solid, placement, shapes)
         least = int(np.argmin(distances)) if distances else -1
         return (distances[least], self.names[shapes[least]]) if distances else (np.inf, "")
 
+    def distances(self, solid: Any, placement: Any, shapes: list[int]) -> list[float]:
+        """Return the distances of some shapes, where they are, from a solid."""
+        return [self._distance(i, solid, placement) for i in shapes]
+
     def place_box(
-        self, q: Array, contact: Contact, h: Array, size: Array
+        self, q: Array, contact: Contact, h: Array, size: Array, turned: Array | None = None
     ) -> tuple[Any, Any, list[int]]:
-        """Return the object, its placement, and the shapes that must not touch it."""
+        """Return the object, its placement, and the shapes that must not touch it.
+
+        Args:
+            q: (n,) rad, where the contact touches it.
+            contact, h: what hits, and the direction (3,).
+            size: (3,) m, edges.
+            turned: (3, 3), the axes of these edges as columns; by default those of the base.
+        """
         import coal
 
         carriers = {contact.joint} if any(contact.offset) else {contact.joint, contact.joint - 1}
+        axes = np.eye(3) if turned is None else turned
         here = self.point(q, contact)
         # A ray from the centre along h leaves the box after this length.
-        half = np.min(size / 2 / np.maximum(np.abs(h), np.finfo(float).tiny))
+        half = np.min(size / 2 / np.maximum(np.abs(h @ axes), np.finfo(float).tiny))
         ahead = self._surface(here, h, [i for i, k in enumerate(self.links) if k in carriers])
-        centre = coal.Transform3s(np.eye(3), here + (ahead + half) * h)
+        centre = coal.Transform3s(axes, here + (ahead + half) * h)
         others = [i for i, k in enumerate(self.links) if k not in carriers]
         return coal.Box(*size), centre, others
 

@@ -1,0 +1,134 @@
+"""Many configurations that hold the contact at the object, and what each could deliver."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from hitjoints.errors import InfeasibleError
+from hitjoints.planning.objectives.straight import straight_velocities
+from hitjoints.quantities import kernel_for, place_joint
+from hitjoints.swings.velocity_box import velocity_box
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from hitjoints.hit import Hit
+    from hitjoints.model.robot import Robot
+    from hitjoints.swings.drive_limits import DriveLimits
+
+    Array = NDArray[np.float64]
+
+SAMPLES = 1500
+COAST = 0.01
+"""m, the way with unchanged joint velocities after the impact."""
+IDLE = 0.25
+"""Weight of joints that do not move the contact, in the distance of two configurations."""
+SIDEWAYS = 1e-6
+"""Share of the speed that a sample's fastest motion may have sideways."""
+
+
+class Samples(NamedTuple):
+    """Configurations with the contact at the object.
+
+    Attributes:
+        q: (N, n) rad. J: (N, 3, n) m/rad. inertia: (N,) kg.
+        lower, upper: (N, n) rad/s, the velocity boxes there.
+        flux: (N,) m/s, the greatest that can be delivered straight along the direction.
+    """
+
+    q: Array
+    J: Array
+    inertia: Array
+    lower: Array
+    upper: Array
+    flux: Array
+
+
+def draw(robot: Robot, hit: Hit, limits: DriveLimits, near: Array, seed: int) -> Array:
+    """Return configurations (N, n) rad, each in the turn nearest to `near` (n,) rad.
+
+    Raises:
+        InfeasibleError: the object is out of reach.
+    """
+    contact = robot.contact(hit.chosen_contact)
+    placed = place_joint(robot, contact, np.tile(hit.position, (SAMPLES, 1)), seed)
+    if not placed.solved.any():
+        raise InfeasibleError(
+            f"unreachable: joint {contact.joint} comes no nearer to the object than "
+            f"{placed.error.min():.3g} m",
+            {"joint": contact.joint, "nearest": float(placed.error.min())},
+        )
+    return folded(robot, placed.q[placed.solved], near)
+
+
+def folded(robot: Robot, q: Array, near: Array) -> Array:
+    """Return configurations (N, n) rad in the turns of revolute joints nearest to `near` (n,)."""
+    turn = 2.0 * np.pi
+    revolute = np.array([not name.startswith("JointModelP") for name in _kinds(robot)])
+    with np.errstate(invalid="ignore"):
+        most = np.floor((robot.upper - q) / turn)
+        least = np.ceil((robot.lower - q) / turn)
+    turns = np.clip(np.round((near - q) / turn), least, most)
+    return np.where(revolute, np.clip(q + turn * turns, robot.lower, robot.upper), q)
+
+
+def _kinds(robot: Robot) -> list[str]:
+    return [robot.model.joints[i].shortname() for i in range(1, robot.n + 1)]
+
+
+def measured(robot: Robot, hit: Hit, limits: DriveLimits, q: Array) -> Samples:
+    """Return what configurations (N, n) rad can deliver: a linear program each, all at once."""
+    contact, h = robot.contact(hit.chosen_contact), hit.direction
+    seen = kernel_for(robot, (contact,), ("inertia", "jacobian"))(q, h)
+    J, inertia = np.ascontiguousarray(seen["jacobian"][0]), np.array(seen["inertia"][0])
+    share = inertia / (inertia + hit.mass)
+    share = np.where(np.isfinite(share), share, 0.0)
+    ends = robot.lower, robot.upper
+    if hit.flux is None:
+        first = velocity_box(limits, q, *ends)
+        speed = np.maximum(_fastest(J, h, *first), 1e-6)
+    else:
+        speed = hit.flux / np.maximum(share, 1e-9)
+    lower, upper = velocity_box(limits, q, *ends, COAST / speed[:, None])
+    return Samples(q, J, inertia, lower, upper, share * _fastest(J, h, lower, upper))
+
+
+def _fastest(J: Array, h: Array, lower: Array, upper: Array) -> Array:
+    """Return the greatest straight speeds (N,) m/s within boxes (N, n)."""
+    basis = np.linalg.svd(h[None, :])[2][1:]
+    pull, across = h @ J, basis @ J
+    qd = straight_velocities(pull, across, lower, upper)
+    speed = (pull * qd).sum(axis=1)
+    sideways = np.linalg.norm((across @ qd[:, :, None])[:, :, 0], axis=1)
+    return np.where((speed > 0) & (sideways <= SIDEWAYS * np.abs(speed) + 1e-9), speed, 0.0)
+
+
+def spread_out(
+    robot: Robot, hit: Hit, samples: Samples, chosen: NDArray[np.intp], start: Array
+) -> Iterator[int]:
+    """Yield the chosen rows: the nearest to the start, then the farthest from all before.
+
+    Diverse configurations matter: of near ones mostly all fail, or none.
+
+    Args:
+        robot, hit: the arm and the hit.
+        samples: all.
+        chosen: (M,) rows.
+        start: (n,) rad.
+    """
+    if not chosen.size:
+        return
+    contact = robot.contact(hit.chosen_contact)
+    moving = contact.joint if any(contact.offset) else contact.joint - 1
+    weights = np.where(np.arange(robot.n) < moving, 1.0, IDLE)
+    q = samples.q[chosen] * weights
+    now = int(np.argmin(np.abs(q - start * weights).max(axis=1)))
+    distance = np.full(len(chosen), np.inf)
+    for _ in range(len(chosen)):
+        yield int(chosen[now])
+        distance = np.minimum(distance, ((q - q[now]) ** 2).sum(axis=1))
+        distance[now] = -1.0
+        now = int(np.argmax(distance))

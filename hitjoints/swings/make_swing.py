@@ -1,0 +1,69 @@
+"""Make a motion from rest to rest that strikes, and that can be sent."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from hitjoints.errors import InputError
+from hitjoints.swings.clear_way import Room
+from hitjoints.swings.drive_limits import drive_limits
+from hitjoints.swings.swing_search import SwingSearch
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from hitjoints.hit import Hit
+    from hitjoints.model.robot import Robot
+    from hitjoints.swings.swing_record import Swing
+
+MARGIN = 0.005
+"""m, the default clearance."""
+SHORTEST, LONGEST = 1e-4, 0.02
+"""s, spacing of samples."""
+
+
+def swing(
+    robot: Robot,
+    hit: Hit,
+    *,
+    q0: ArrayLike | None = None,
+    q_hit: ArrayLike | None = None,
+    acceleration: ArrayLike | None = None,
+    jerk: ArrayLike | None = None,
+    table_height: float | None = None,
+    margin: float = MARGIN,
+    dt: float = 0.001,
+    seed: int = 0,
+) -> Swing:
+    """Make a motion from rest to rest that strikes, keeps all known limits, and can be sent.
+
+    Only the state at the impact is prescribed: the contact at the object, moving straight along
+    the direction, with the flux asked for or as much as can be. The arm winds up for it in joint
+    space, keeps the velocity for 10 mm after the impact, and stops.
+
+    Args:
+        robot: the arm.
+        hit: what is asked; its `flux` may be None for the greatest that can be.
+        q0: (n,) rad, where the arm is; by default its home.
+        q_hit: (n,) rad, the configuration to strike in, such as a plan's, tried before others.
+        acceleration, jerk: rad/s^2 and rad/s^3, one number or (n,); by default the robot's. An
+            unknown jerk limit is not kept, and said to be unknown.
+        table_height: m, of a table to stay above.
+        margin: m, clearance to the object until the impact, to the table, and of the arm to itself.
+        dt: s, spacing of the samples, 1e-4 to 0.02; the impact falls on one.
+        seed: of the samples.
+
+    Raises:
+        InputError: an argument cannot be used, such as a start beyond limits or in collision.
+        InfeasibleError: unreachable, no clear configuration, a flux beyond the maximum (which
+            `data` holds as `maximum_flux`), or no stroke found, and why.
+    """
+    if not (math.isfinite(dt) and SHORTEST <= dt <= LONGEST):
+        raise InputError("dt", dt, f"a spacing of {SHORTEST:g} s to {LONGEST:g} s")
+    if not math.isfinite(margin):
+        raise InputError("margin", margin, "a finite distance in metres")
+    limits = drive_limits(robot, acceleration, jerk)
+    start = robot.within_limits(robot.home if q0 is None else q0, "q0")
+    room = Room(robot, margin, table_height)
+    return SwingSearch(robot, hit, limits, room, start, dt, seed).swing(q_hit)
