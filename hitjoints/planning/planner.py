@@ -11,6 +11,7 @@ import numpy as np
 
 from hitjoints.errors import InputError
 from hitjoints.hit import Hit, check_flux
+from hitjoints.hitting.drive_limits import drive_limits
 from hitjoints.impact.collision import required_speed
 from hitjoints.planning.candidates import Candidate, plain
 from hitjoints.planning.joint_plan import plan_joint
@@ -38,6 +39,7 @@ class Plan:
         robot: name.
         position: (3,) m. direction: (3,) unit. mass: kg.
         objective: what is best. flux: m/s demanded, if any.
+        deliverable: that flux is demanded of a motion from rest to rest; else of Eq. 9's speed.
         best: None if no joint can do it.
         candidates: in the order of the joints asked for.
         start: of the best hit, if it was asked for.
@@ -54,6 +56,7 @@ class Plan:
     candidates: tuple[Candidate, ...]
     start: Start | None = None
     torque_costs: tuple[TorqueCost, ...] = ()
+    deliverable: bool = False
 
     @property
     def summary(self) -> str:
@@ -66,6 +69,10 @@ class Plan:
         ]
         return "; ".join(parts)
 
+    @property
+    def _flux_by(self) -> str:
+        return "deliverable" if self.deliverable else "speed"
+
     def as_dict(self) -> dict[str, Any]:
         """Return the answer as JSON knows it."""
         return {
@@ -75,6 +82,7 @@ class Plan:
             "mass": self.mass,
             "objective": self.objective,
             "required_flux": self.flux,
+            "flux_by": None if self.flux is None else self._flux_by,
             "feasible": self.best is not None,
             "summary": self.summary,
             "best": None if self.best is None else self.best.as_dict(),
@@ -152,7 +160,9 @@ def plan(
         if vector.shape != (3,):
             raise InputError(name, f"shape {vector.shape}", "three numbers x,y,z")
     tasks = [Task(robot, Hit(c, target, h, float(mass)), target, away) for c in contacts]
-    request = Request(wanted, flux, deliverable, seed, certificate)
+    request = Request(wanted, flux, deliverable and flux is not None, seed, certificate)
+    if wanted.stopping or request.deliverable:
+        drive_limits(robot)  # are they known?
     found = []
     for task in tasks:
         near = None if hints is None else hints.get(task.contact.joint)
@@ -172,7 +182,19 @@ def plan(
         for one, task in zip(candidates, tasks, strict=True)
         if torque_limits and one.q is not None
     )
-    return Plan(robot.name, target, h, float(mass), objective, flux, best, candidates, begin, costs)
+    return Plan(
+        robot.name,
+        target,
+        h,
+        float(mass),
+        objective,
+        flux,
+        best,
+        candidates,
+        begin,
+        costs,
+        request.deliverable,
+    )
 
 
 def _demands(

@@ -145,9 +145,13 @@ class HitProblem:
             residual.append(gap + AWAY_MARGIN)
             slope.append(gap_by)
         if self.flux is not None:
-            reached, by = seen.moving_flux if self.deliverable else seen.flux()
-            residual.append(np.log(self.flux) + FLUX_MARGIN - reached)
-            slope.append(-by)
+            if self.deliverable:
+                short, by = seen.short_of(self.flux * (1.0 + FLUX_MARGIN))
+            else:
+                reached, rising = seen.flux()
+                short, by = np.log(self.flux) + FLUX_MARGIN - reached, -rising
+            residual.append(short)
+            slope.append(by)
         if self.room is not None and qd is not None:
             over, over_by = self.room.constraints(q, qd)
             residual += list(over.T)

@@ -109,6 +109,18 @@ class Sight:
         """Logarithm (N,) of the flux of the velocities that are variables, gradient (N, 2 n)."""
         return self._flux_at(self.qd, self.bent)
 
+    def short_of(self, flux: float) -> tuple[Array, Array]:
+        """Return how far the velocities that are variables are from a flux, and its gradient.
+
+        In shares of the flux, as the excess (N,) of 1 + m mobility over speed / flux: defined for
+        velocities that move the contact backwards, too.
+        """
+        mass, by = self.task.mass, self.mobility_gradient
+        speed = (self.pull * self.qd).sum(axis=1)
+        by_q = mass * by - self.bent @ self.freedom.forward / flux
+        short = 1.0 + mass * self.found["mobility"][0] - speed / flux
+        return short, np.concatenate((by_q, -self.pull / flux), axis=1)
+
     @cached_property
     def straight(self) -> tuple[Array, Array]:
         """Velocities (N, n) of the fastest straight motion within the box, and their speed (N,)."""
