@@ -70,7 +70,7 @@ def _read_plan(path: Path, robot: str) -> dict[str, Any]:
         found = {"position": plan["position"], "mass": plan["mass"]}
         found["directions"] = (plan["direction"],)
         if best is not None:
-            found |= {"joints": (best["joint"],), "q": best["q"]}
+            found |= {"joints": (best["joint"],), "q": best["q"], "offset": best.get("offset")}
         made_for = plan["robot"]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError("plan", path, f"it is not a plan ({error})") from None

@@ -31,6 +31,7 @@ from .errors import (
 from .errors import (
     SolverError as SolverError,
 )
+from .evidence.calibration.past_hits import calibrate as calibrate
 from .evidence.paper.reproduction import reproduce as reproduce
 from .evidence.physics.simulation import simulate as simulate
 from .evidence.recordings.replayer import replay as replay
@@ -66,6 +67,7 @@ from .maps.workspace import open_map as open_map
 from .maps.workspace import sweep_workspace as sweep_workspace
 from .model.robot import Contact as Contact
 from .model.robot import Robot as Robot
+from .model.tool import Tool as Tool
 from .planning.learning.feasibility import (
     learn_feasibility as learn_feasibility,
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,7 @@ from hitjoints.errors import InputError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+LARGEST_SEED = 2**63 - 1
 TINY, HUGE = 1e-150, 1e150  # lengths whose squares neither under- nor overflow
 
 
@@ -62,6 +64,28 @@ def positive_mass(mass: object) -> float:
         number = math.nan
     if not (math.isfinite(number) and number > 0):
         raise InputError("mass", mass, "an object weighs more than 0 kg")
+    return number
+
+
+def whole(value: object, argument: str, least: int, most: int) -> int:
+    """Return one whole number from `least` to `most`.
+
+    Args:
+        value: any integer, NumPy's too.
+        argument: what to call it when it is refused.
+        least: it may be.
+        most: it may be.
+
+    Raises:
+        InputError: it is none, or out of range.
+    """
+    try:
+        number = operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        raise InputError(argument, value, "a whole number") from None
+    if not least <= number <= most:
+        expected = f"at least {least}" if number < least else f"at most {most}"
+        raise InputError(argument, value, expected)
     return number
 
 

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.datasets.describe import described
-from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.errors import InfeasibleError
 from hitjoints.impact.collision import hitting_flux
 from hitjoints.model.robot import Contact
 from hitjoints.quantities import kernel_for, place_joint
-from hitjoints.vectors import points, unit
+from hitjoints.vectors import LARGEST_SEED, points, positive_mass, unit, whole
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     from hitjoints.model.robot import Robot
 
+MOST_ANGLES = 1_000_000
+"""Per joint."""
 OUTPUTS = ("inertia", "speed", "straight_speed")
 
 
@@ -60,8 +62,8 @@ def sweep_joint(
         InfeasibleError: no joint reaches the position.
     """
     chosen = robot.contacts(joints)
-    if count < 2:
-        raise InputError("count", count, "at least 2 angles")
+    count = whole(count, "count", 2, MOST_ANGLES)
+    seed = whole(seed, "seed", 0, LARGEST_SEED)
     target = points(position, "position").reshape(3)
     h = unit(direction)
     common = robot.within_limits(robot.home if start is None else start, "start")
@@ -74,7 +76,7 @@ def sweep_joint(
             f"{min(r['position_error'] for r in rows):.3g} m away",
             {"position_error": {r["joint"]: r["position_error"] for r in rows}},
         )
-    swept = _assemble(robot, rows, target, h, mass)
+    swept = _assemble(robot, rows, target, h, positive_mass(mass))
     return swept.assign_attrs(offsets=[list(contact.offset) for contact in chosen])
 
 

@@ -31,6 +31,7 @@ class Candidate:
 
     Attributes:
         joint: 1-based.
+        offset: (3,) m, of the contact in the joint's frame.
         feasible: the joint can do it.
         reason: why it is best, why another is better, or why it cannot.
         q: (n,) rad within the limits; None if infeasible.
@@ -60,6 +61,7 @@ class Candidate:
     away: bool | None = None
     away_gap: float | None = None
     clearance: dict[str, Any] | None = None
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
     evidence: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def as_dict(self) -> dict[str, Any]:

@@ -171,11 +171,11 @@ def plan(
         one = plan_joint(task, replace(request, accept=demands, hints=near))
         if one.q is not None and surroundings is not None:
             one = replace(one, clearance=surroundings.report(robot, one.q, task.contact, h))
-        found.append(one)
+        found.append(replace(one, offset=task.contact.offset))
     best, candidates = _compare(found, wanted.ranked_by)
     begin = None
     if start and best is not None:
-        chosen = next(task for task in tasks if task.contact.joint == best.joint)
+        chosen = next(task for task in tasks if _is_of(task, best))
         begin = _start(chosen, best, flux, torque_limits)
     costs = tuple(
         torque_cost(robot, one.q, task.contact, h, mass)
@@ -248,3 +248,7 @@ def _compare(
             said.append(one)
         best = said[-1] if one is winner else best
     return best, tuple(said)
+
+
+def _is_of(task: Task, one: Candidate) -> bool:
+    return (task.contact.joint, task.contact.offset) == (one.joint, one.offset)

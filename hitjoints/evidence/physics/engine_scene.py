@@ -129,6 +129,8 @@ def set_options(spec: Any, timestep: float) -> None:
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     option.tolerance, option.iterations = 1e-12, 100
+    # A state that is lost is told, not replaced by the one at the beginning.
+    option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
     option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_DIAGEXACT)
 
 
