@@ -39,6 +39,7 @@ from .goals.landing import Landing as Landing
 from .goals.landing import landing as landing
 from .hit import Hit as Hit
 from .hitting.controller import Controller as Controller
+from .hitting.drive_limits import DriveLimits as DriveLimits
 from .impact.collision import (
     hitting_flux as hitting_flux,
 )
@@ -92,7 +93,6 @@ from .quantities import (
 )
 from .rollouts.follow import rollout as rollout
 from .show.viewer import view as view
-from .swings.drive_limits import DriveLimits as DriveLimits
 from .swings.make_swing import swing as swing
 from .swings.swing_record import Swing as Swing
 from .version import __version__ as __version__
