@@ -31,6 +31,7 @@ from .errors import (
 from .errors import (
     SolverError as SolverError,
 )
+from .evaluator import Evaluator as Evaluator
 from .evidence.calibration.past_hits import calibrate as calibrate
 from .evidence.paper.reproduction import reproduce as reproduce
 from .evidence.physics.simulation import simulate as simulate
@@ -39,6 +40,7 @@ from .goals.landing import Landing as Landing
 from .goals.landing import landing as landing
 from .hit import Hit as Hit
 from .hitting.controller import Controller as Controller
+from .hitting.drive_limits import DriveLimits as DriveLimits
 from .impact.collision import (
     hitting_flux as hitting_flux,
 )
@@ -93,7 +95,6 @@ from .quantities import (
 )
 from .rollouts.follow import rollout as rollout
 from .show.viewer import view as view
-from .swings.drive_limits import DriveLimits as DriveLimits
 from .swings.make_swing import swing as swing
 from .swings.swing_record import Swing as Swing
 from .version import __version__ as __version__

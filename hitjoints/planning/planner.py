@@ -9,14 +9,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.errors import InputError, UnknownNameError
-from hitjoints.hit import check_flux
+from hitjoints.errors import InputError
+from hitjoints.hit import Hit, check_flux
+from hitjoints.hitting.drive_limits import drive_limits
 from hitjoints.impact.collision import required_speed
 from hitjoints.planning.candidates import Candidate, plain
 from hitjoints.planning.joint_plan import plan_joint
-from hitjoints.planning.objectives.hit_problem import OBJECTIVES, Hit
+from hitjoints.planning.objectives.registry import objective_named
+from hitjoints.planning.request import Request
 from hitjoints.planning.room.surroundings import Surroundings
 from hitjoints.planning.start import Start, fastest_start, plan_start
+from hitjoints.planning.task import Task
 from hitjoints.planning.torque_cost import TorqueCost, torque_cost
 from hitjoints.vectors import points, unit
 
@@ -27,14 +30,6 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-RANKED_BY = {
-    "inertia": "inertia",
-    "flux": "flux",
-    "straight-flux": "straight_flux",
-    "rebound": "inertia",
-}
-"""The quantity that tells which joint is best: least rebound for a given flux is most inertia."""
-
 
 @dataclass(frozen=True, eq=False)
 class Plan:
@@ -44,6 +39,7 @@ class Plan:
         robot: name.
         position: (3,) m. direction: (3,) unit. mass: kg.
         objective: what is best. flux: m/s demanded, if any.
+        deliverable: that flux is demanded of a motion from rest to rest; else of Eq. 9's speed.
         best: None if no joint can do it.
         candidates: in the order of the joints asked for.
         start: of the best hit, if it was asked for.
@@ -60,6 +56,7 @@ class Plan:
     candidates: tuple[Candidate, ...]
     start: Start | None = None
     torque_costs: tuple[TorqueCost, ...] = ()
+    deliverable: bool = False
 
     @property
     def summary(self) -> str:
@@ -72,6 +69,10 @@ class Plan:
         ]
         return "; ".join(parts)
 
+    @property
+    def _flux_by(self) -> str:
+        return "deliverable" if self.deliverable else "speed"
+
     def as_dict(self) -> dict[str, Any]:
         """Return the answer as JSON knows it."""
         return {
@@ -81,6 +82,7 @@ class Plan:
             "mass": self.mass,
             "objective": self.objective,
             "required_flux": self.flux,
+            "flux_by": None if self.flux is None else self._flux_by,
             "feasible": self.best is not None,
             "summary": self.summary,
             "best": None if self.best is None else self.best.as_dict(),
@@ -106,6 +108,7 @@ def plan(
     start: bool = False,
     hints: Mapping[int, ArrayLike] | None = None,
     torque_limits: bool = False,
+    deliverable: bool = False,
 ) -> Plan:
     """Choose the joint and the configuration for a hit.
 
@@ -116,9 +119,12 @@ def plan(
         mass: of the object, kg.
         joints: hitting joints (or contacts); the robot's own when not given.
         objective: "inertia" (Eq. 14), "flux" (Eq. 10 with the speed of Eq. 9), "straight-flux"
-            (the same for motion exactly along the direction), or "rebound" (the least Eq. 11
+            (the same for motion exactly along the direction), "deliverable" (the same for a motion
+            that comes from rest and stops within the arm's limits), or "rebound" (the least Eq. 11
             among the configurations that can reach `flux`: the greatest inertia among them).
         flux: m/s that the hit must be able to reach (Eq. 10); "rebound" needs one.
+        deliverable: `flux` has to be deliverable in the sense above; the arm's acceleration limits
+            have to be known.
         away: demand h . (chi_{k+1} - chi_k) < 0 (Eq. 14), by a margin of 1e-6 m.
         seed: of the samples; the optimum does not depend on it.
         certificate: bound every candidate's inertia over the joints beyond the contact, and
@@ -136,13 +142,12 @@ def plan(
         A candidate per joint, feasible or with the reason why not, and the best.
 
     Raises:
-        InputError: an argument cannot be used.
+        InputError: an argument cannot be used, or acceleration limits are needed and not known.
         SolverError: a configuration found failed the final check.
     """
-    if objective not in OBJECTIVES:
-        raise UnknownNameError("objective", objective, OBJECTIVES)
-    if objective == "rebound" and flux is None:
-        raise InputError("flux", flux, "rebound needs the flux to be reached (m/s)")
+    wanted = objective_named(objective)
+    if wanted.needs_flux and flux is None:
+        raise InputError("flux", flux, f"{objective} needs the flux to be reached (m/s)")
     if flux is not None:
         check_flux(flux)
     if not (math.isfinite(mass) and mass > 0):
@@ -154,54 +159,69 @@ def plan(
     for name, vector in (("position", target), ("direction", h)):
         if vector.shape != (3,):
             raise InputError(name, f"shape {vector.shape}", "three numbers x,y,z")
-    hits = [Hit(robot, contact, h, float(mass), target, away) for contact in contacts]
+    tasks = [Task(robot, Hit(c, target, h, float(mass)), target, away) for c in contacts]
+    request = Request(wanted, flux, deliverable and flux is not None, seed, certificate)
+    if wanted.stopping or request.deliverable:
+        drive_limits(robot)  # are they known?
     found = []
-    for hit in hits:
-        demands = _demands(hit, accept, surroundings)
-        near = None if hints is None else hints.get(hit.contact.joint)
+    for task in tasks:
+        near = None if hints is None else hints.get(task.contact.joint)
         near = None if near is None else np.atleast_2d(robot.configuration(near, "hints"))
-        one = plan_joint(hit, objective, flux, seed, certificate, demands, near)
+        demands = _demands(task, accept, surroundings)
+        one = plan_joint(task, replace(request, accept=demands, hints=near))
         if one.q is not None and surroundings is not None:
-            one = replace(one, clearance=surroundings.report(robot, one.q, hit.contact, h))
-        found.append(replace(one, offset=hit.contact.offset))
-    best, candidates = _compare(found, RANKED_BY[objective])
+            one = replace(one, clearance=surroundings.report(robot, one.q, task.contact, h))
+        found.append(replace(one, offset=task.contact.offset))
+    best, candidates = _compare(found, wanted.ranked_by)
     begin = None
     if start and best is not None:
-        chosen = next(hit for hit in hits if _is_of(hit, best))
+        chosen = next(task for task in tasks if _is_of(task, best))
         begin = _start(chosen, best, flux, torque_limits)
     costs = tuple(
-        torque_cost(robot, one.q, hit.contact, h, mass)
-        for one, hit in zip(candidates, hits, strict=True)
+        torque_cost(robot, one.q, task.contact, h, mass)
+        for one, task in zip(candidates, tasks, strict=True)
         if torque_limits and one.q is not None
     )
-    return Plan(robot.name, target, h, float(mass), objective, flux, best, candidates, begin, costs)
+    return Plan(
+        robot.name,
+        target,
+        h,
+        float(mass),
+        objective,
+        flux,
+        best,
+        candidates,
+        begin,
+        costs,
+        request.deliverable,
+    )
 
 
 def _demands(
-    hit: Hit, accept: Callable[[Array], bool] | None, surroundings: Surroundings | None
+    task: Task, accept: Callable[[Array], bool] | None, surroundings: Surroundings | None
 ) -> Callable[[Array], bool] | None:
     """Return what a configuration must satisfy beyond the planning problem, if anything."""
     if surroundings is None or surroundings.margin is None:
         return accept
 
     def both(q: Array) -> bool:
-        room = surroundings.leave_room(hit.robot, q, hit.contact, hit.direction)
+        room = surroundings.leave_room(task.robot, q, task.contact, task.direction)
         return room and (accept is None or accept(q))
 
     return both
 
 
-def _start(hit: Hit, best: Candidate, flux: float | None, torque_limits: bool) -> Start:
+def _start(task: Task, best: Candidate, flux: float | None, torque_limits: bool) -> Start:
     """Return the start of the best hit."""
     assert best.q is not None
     assert best.inertia is not None
     if flux is None:
         return fastest_start(
-            hit.robot, best.q, hit.contact, hit.direction, torque_limits=torque_limits
+            task.robot, best.q, task.contact, task.direction, torque_limits=torque_limits
         )
-    speed = required_speed(best.inertia, hit.mass, flux)
+    speed = required_speed(best.inertia, task.mass, flux)
     return plan_start(
-        hit.robot, best.q, hit.contact, hit.direction, speed, torque_limits=torque_limits
+        task.robot, best.q, task.contact, task.direction, speed, torque_limits=torque_limits
     )
 
 
@@ -230,5 +250,5 @@ def _compare(
     return best, tuple(said)
 
 
-def _is_of(hit: Hit, one: Candidate) -> bool:
-    return (hit.contact.joint, hit.contact.offset) == (one.joint, one.offset)
+def _is_of(task: Task, one: Candidate) -> bool:
+    return (task.contact.joint, task.contact.offset) == (one.joint, one.offset)
