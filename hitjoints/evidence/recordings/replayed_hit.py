@@ -41,7 +41,8 @@ class ReplayedHit:
         reason: why not, or what is missing; empty if all is there.
         mass: kg, of the object. mass_source: given, recorded (what HittingFlux implies) or default.
         direction: hitting direction, robot base frame.
-        lag: rows by which the recorder's quantities lag the joints.
+        lag: rows by which the recorder's quantities lag the joints, in most rows.
+        lag_steps: the recorder's rows from which on the lag is another, each with that lag.
         position_error, velocity_error: m, m/s, greatest distance between model and recording after
             the lag; None if not recorded.
         contact_time: s after the file's first row. contact_source: object (it starts to move) or
@@ -76,6 +77,7 @@ class ReplayedHit:
     mass_source: str | None = None
     direction: list[float] | None = None
     lag: int | None = None
+    lag_steps: list[list[int]] | None = None
     position_error: float | None = None
     velocity_error: float | None = None
     contact_time: float | None = None
