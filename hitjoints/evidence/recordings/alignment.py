@@ -84,7 +84,7 @@ class Lag(NamedTuple):
     @property
     def _belongs(self) -> NDArray[np.int64]:
         """The joints' row that each of the recorder's belongs to."""
-        return self.of_rows[0] + np.arange(len(self.of_rows)) - self.of_rows
+        return np.asarray(self.of_rows[0] + np.arange(len(self.of_rows)) - self.of_rows)
 
     @property
     def known(self) -> NDArray[np.bool_]:
@@ -106,7 +106,10 @@ def find_lag(model: Array, recorded: Array) -> Lag:
         apart[lag:, lag] = np.linalg.norm(model[: len(model) - lag] - recorded[lag:], axis=1)
     single = min(range(most + 1), key=lambda lag: float(apart[lag:, lag].mean()))
     cost = STEP_COST + STEP_NOISE * float(np.median(apart[single:, single]))
-    path = _cheapest(apart, single, cost)
+    if apart[single:, single].sum() <= cost:  # no step can gain what it costs
+        path = np.full(len(recorded), single, dtype=np.int64)
+    else:
+        path = _cheapest(apart, single, cost)
     first = int(path[0])  # rows before it are older than the joints' first
     path = path[first:]
     left = apart[rows[first:], path]

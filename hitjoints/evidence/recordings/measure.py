@@ -226,6 +226,8 @@ def _after(
     try:
         line = fits.after(motion.clock, motion.speed, blow.time)
         found["robot_speed_after"] = float(line.at(blow.time + fits.PUSH)[0])
+        start = fits.before(motion.clock, motion.speed, blow.time)
+        found["robot_acceleration"] = float(line.slope[0] + start.slope[0]) / 2
     except RecordingError as error:
         notes.append(f"robot_speed_after: {error}")
     if track is None:
@@ -256,6 +258,9 @@ def _after(
             found |= {"momentum_mass": balance, "momentum_ratio": balance / blow.inertia}
         else:
             notes.append("momentum_mass: the robot is not slower after the contact")
+        unpushed = lost + found["robot_acceleration"] * fits.PUSH
+        if unpushed > 0:
+            found["unpushed_mass"] = blow.mass * glide.speed / unpushed
     return found
 
 
