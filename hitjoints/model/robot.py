@@ -84,6 +84,7 @@ class Robot:
             matrix holds `model.armature` instead, which is zero unless the TOML says otherwise.
         joint_stiffness: (n,) N m/rad, of the gears and torque sensors; None when not known.
         provenance: where each of these four comes from, by name.
+        kept: what others have derived from it, such as compiled formulas; not copied along.
     """
 
     name: str
@@ -103,6 +104,7 @@ class Robot:
     rotor_inertia: NDArray[np.float64] | None = field(default=None, repr=False)
     joint_stiffness: NDArray[np.float64] | None = field(default=None, repr=False)
     provenance: Mapping[str, str] = field(default_factory=dict, repr=False)
+    kept: dict[Any, Any] = field(default_factory=dict, repr=False, init=False)
     _local: threading.local = field(default_factory=threading.local, repr=False, init=False)
 
     def __post_init__(self) -> None:
@@ -169,6 +171,12 @@ class Robot:
     def nearest_turn(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return q, (n,) or (N, n) rad, with every angle the turn of 2 pi nearest to home."""
         return nearest_turn(q, self.lower, self.upper, self.home, self.turning)
+
+    def velocity_ratio(self, qd: NDArray[np.float64]) -> float:
+        """Return the greatest |qd| of joint velocities (..., n) in units of its limit."""
+        limit = np.where(qd > 0, self.velocity_upper, -self.velocity_lower)
+        moving = qd != 0
+        return float(np.max(np.abs(qd[moving]) / limit[moving], initial=0.0))
 
     @cached_property
     def velocity_lower(self) -> NDArray[np.float64]:
@@ -312,8 +320,15 @@ class Robot:
                 return self._origins[joint]
         return self.flange
 
-    def configuration(self, q: ArrayLike, argument: str = "q") -> NDArray[np.float64]:
+    def configuration(
+        self, q: ArrayLike, argument: str = "q", *, finite: bool = True
+    ) -> NDArray[np.float64]:
         """Return `q` as one (n,) or many (N, n) finite configurations.
+
+        Args:
+            q: rad.
+            argument: what to call it when it is refused.
+            finite: look at every number; if not, the caller does.
 
         Raises:
             InputError: wrong shape, or not finite.
@@ -326,7 +341,7 @@ class Robot:
                 f"{self.name} takes {self.n} joint positions (or rows of them), "
                 f"this has shape {array.shape}",
             )
-        if not all_finite(array):
+        if finite and not all_finite(array):
             raise InputError(argument, _brief(array), "every joint position must be finite")
         return array
 

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from hitjoints.built import kernel_for
 from hitjoints.errors import InfeasibleError
 from hitjoints.hitting.velocity_box import velocity_box
 from hitjoints.planning.objectives.straight import straight_velocities
-from hitjoints.quantities import kernel_for, place_joint
+from hitjoints.quantities import place_joint
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hitjoints.built import kernel_for
 from hitjoints.hitting.drive_limits import drive_limits
 from hitjoints.kernels import Chain
 from hitjoints.kernels.formulas.speeds import lateral
@@ -18,7 +19,6 @@ from hitjoints.planning.objectives.sight import Sight
 from hitjoints.planning.objectives.stopping_room import StoppingRoom
 from hitjoints.planning.objectives.straight import straight_velocities
 from hitjoints.planning.search.climb import Values
-from hitjoints.quantities import kernel_for
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hitjoints.built import kernel_for
 from hitjoints.planning.objectives.geometry import bend
-from hitjoints.quantities import kernel_for
 from hitjoints.tolerances import rank_floor
 
 if TYPE_CHECKING:
