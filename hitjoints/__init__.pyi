@@ -63,6 +63,7 @@ from .loading.load import (
 from .loading.load import (
     load_robot as load_robot,
 )
+from .maps.contact_time_sweep import sweep_contact_time as sweep_contact_time
 from .maps.joint_sweep import sweep_joint as sweep_joint
 from .maps.workspace import open_map as open_map
 from .maps.workspace import sweep_workspace as sweep_workspace
