@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hitjoints.built import kernel_for
 from hitjoints.datasets.describe import described
 from hitjoints.impact.elastic import elastic_impact
-from hitjoints.quantities import kernel_for, place_joint
+from hitjoints.quantities import place_joint
 from hitjoints.vectors import positive_mass, unit
 
 if TYPE_CHECKING:
