@@ -182,6 +182,21 @@ def mobility_gradient(
     return gradient
 
 
+def variation(
+    arm: TracedArm, reaches: list[Vector], directions: list[Vector], u: list[Scalar]
+) -> list[Scalar]:
+    """2 g . u - u^T M u and its derivative with respect to q (n), at fixed u.
+
+    For every u it is at most the mobility g^T M^-1 g, and at u = M^-1 g it is the mobility: a lower
+    bound that needs no factor of M. Arguments as `mobility_gradient`.
+    """
+    speed: Scalar = 0.0
+    for pull, rate in zip(arm.row(reaches, directions), u, strict=True):
+        speed = speed + pull * rate
+    value = 2.0 * speed - twice_kinetic_energy(arm, u)
+    return [value, *mobility_gradient(arm, reaches, directions, u)]
+
+
 def twice_kinetic_energy(arm: TracedArm, u: list[Scalar]) -> Scalar:
     """u^T M u (J) without forming M."""
     total: Scalar = 0.0
