@@ -159,7 +159,8 @@ def plan(
     for name, vector in (("position", target), ("direction", h)):
         if vector.shape != (3,):
             raise InputError(name, f"shape {vector.shape}", "three numbers x,y,z")
-    tasks = [Task(robot, Hit(c, target, h, float(mass)), target, away) for c in contacts]
+    along = np.asarray(direction, dtype=float)  # normalised once, by the hit
+    tasks = [Task(robot, Hit(c, target, along, mass), target, away) for c in contacts]
     request = Request(wanted, flux, deliverable and flux is not None, seed, certificate)
     if wanted.stopping or request.deliverable:
         drive_limits(robot)  # are they known?
