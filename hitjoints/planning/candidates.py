@@ -37,6 +37,8 @@ class Candidate:
         q: (n,) rad within the limits; None if infeasible.
         position_error: m, from the object; the closest possible if that is what is in the way.
         inertia: kg. speed, straight_speed, flux, straight_flux: m/s (Eq. 9, 10).
+        links_inertia: kg, that of the links alone, where `inertia` is what a model of the drives
+            shows at the best configuration of the links; else None.
         deliverable_flux: m/s, the straight flux of a motion from rest to rest within the limits.
         deliverable_reason: why that is not known.
         away: h . (chi_{k+1} - chi_k) < 0 (Eq. 14).
@@ -52,6 +54,7 @@ class Candidate:
     q: Array | None = None
     position_error: float | None = None
     inertia: float | None = None
+    links_inertia: float | None = None
     speed: float | None = None
     straight_speed: float | None = None
     flux: float | None = None
