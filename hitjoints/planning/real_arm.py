@@ -68,8 +68,6 @@ class Drives:
 
     def shown(self, task: Task, one: Candidate) -> Candidate:
         """Return a feasible candidate with the inertia that it shows, and its fluxes by that."""
-        assert one.q is not None
-        assert one.inertia is not None
         inertia = self._inertia(task, one)
         alone = one.inertia / (one.inertia + task.mass)
         share = inertia / (inertia + task.mass)
@@ -82,11 +80,10 @@ class Drives:
 
     def _inertia(self, task: Task, one: Candidate) -> float:
         robot, q, contact, h = task.robot, one.q, task.contact, task.direction
-        assert q is not None
         if self.model == "composite":
             return float(impact_inertia(robot, q, contact, h, "composite"))
         hit = elastic_impact(
-            robot, q, contact, h, task.mass, one.straight_speed or one.speed or 1.0,
+            robot, q, contact, h, task.mass, one.straight_speed or one.speed,
             self.restitution, self.contact_time, self.stiffness, rotor_inertia=self.rotor_inertia,
         )  # fmt: skip
         return IMMOVABLE if hit.equivalent is None else min(hit.equivalent, IMMOVABLE)
