@@ -167,7 +167,7 @@ def plan(
         torque_limits=aim.torque_limits,
         deliverable=aim.deliverable(arm),
     )
-    result = planned.as_dict() | {"robot": robot.robot}
+    result = planned.as_dict() | {"robot": robot.robot, "robot_digest": arm.digest}
     plot = None if planned.best is None else output.plot
     if output.out is not None:
         from hitjoints.datasets.files import write_whole
