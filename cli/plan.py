@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from hitjoints.model.robot import Robot
-    from hitjoints.planning.candidates import Candidate
+    from hitjoints.planning.candidates import Candidate, Verdict
     from hitjoints.planning.planner import Plan
     from hitjoints.planning.room.surroundings import Surroundings
     from hitjoints.planning.start import Start
@@ -264,7 +264,7 @@ def _share(one: TorqueCost) -> str | None:
     return f"{100 * (1 - one.flux_with / one.flux_without):.1f} %"
 
 
-def _row(one: Candidate, best: bool) -> list[object]:
+def _row(one: Verdict, best: bool) -> list[object]:
     from hitjoints.planning.words import at_most
 
     name = f"joint {one.joint}"
@@ -277,4 +277,4 @@ def _row(one: Candidate, best: bool) -> list[object]:
     verdict = f"best: {one.reason}" if best else one.reason
     numbers = (one.inertia, one.speed, one.straight_speed, one.flux, one.straight_flux)
     known = "" if one.deliverable_flux is None else at_most(one.deliverable_flux)
-    return [name, *(at_most(float(value or 0.0)) for value in numbers), known, sure, verdict]
+    return [name, *(at_most(value) for value in numbers), known, sure, verdict]

@@ -13,7 +13,7 @@ from hitjoints.errors import InputError
 from hitjoints.hit import Hit, check_flux
 from hitjoints.hitting.drive_limits import drive_limits
 from hitjoints.impact.collision import required_speed
-from hitjoints.planning.candidates import Candidate, plain
+from hitjoints.planning.candidates import Candidate, Verdict, plain
 from hitjoints.planning.joint_plan import plan_joint
 from hitjoints.planning.objectives.registry import objective_named
 from hitjoints.planning.request import Request
@@ -53,7 +53,7 @@ class Plan:
     objective: str
     flux: float | None
     best: Candidate | None
-    candidates: tuple[Candidate, ...]
+    candidates: tuple[Verdict, ...]
     start: Start | None = None
     torque_costs: tuple[TorqueCost, ...] = ()
     deliverable: bool = False
@@ -214,8 +214,6 @@ def _demands(
 
 def _start(task: Task, best: Candidate, flux: float | None, torque_limits: bool) -> Start:
     """Return the start of the best hit."""
-    assert best.q is not None
-    assert best.inertia is not None
     if flux is None:
         return fastest_start(
             task.robot, best.q, task.contact, task.direction, torque_limits=torque_limits
@@ -227,8 +225,8 @@ def _start(task: Task, best: Candidate, flux: float | None, torque_limits: bool)
 
 
 def _compare(
-    found: Sequence[Candidate], quantity: str
-) -> tuple[Candidate | None, tuple[Candidate, ...]]:
+    found: Sequence[Verdict], quantity: str
+) -> tuple[Candidate | None, tuple[Verdict, ...]]:
     """Return the best candidate, and all with the reason why they are not it."""
     able = [one for one in found if one.feasible]
     if not able:
@@ -236,20 +234,19 @@ def _compare(
     winner = max(able, key=lambda one: float(getattr(one, quantity)))
     most = float(getattr(winner, quantity))
     word = quantity.replace("_", " ")
-    best: Candidate | None = None
-    said = []
+    praise = f"the most {word}" if len(found) > 1 else "the only joint asked for"
+    best = replace(winner, reason=praise)
+    said: list[Verdict] = []
     for one in found:
-        if one.feasible:
-            less = 100 * (1.0 - float(getattr(one, quantity)) / most)
-            reason = f"{less:.2g} % less {word} than joint {winner.joint}"
-            if one is winner:
-                reason = f"the most {word}" if len(found) > 1 else "the only joint asked for"
-            said.append(replace(one, reason=reason))
+        if one is winner:
+            said.append(best)
+        elif one.feasible:
+            less = 100 * (1.0 - float(getattr(one, quantity)) / most) if most > 0 else 0.0
+            said.append(replace(one, reason=f"{less:.2g} % less {word} than joint {winner.joint}"))
         else:
             said.append(one)
-        best = said[-1] if one is winner else best
     return best, tuple(said)
 
 
-def _is_of(task: Task, one: Candidate) -> bool:
+def _is_of(task: Task, one: Verdict) -> bool:
     return (task.contact.joint, task.contact.offset) == (one.joint, one.offset)
