@@ -174,7 +174,7 @@ def plan(
         deliverable=aim.deliverable(arm),
         drives=impact.drives(),
     )
-    result = planned.as_dict() | {"robot": robot.robot}
+    result = planned.as_dict() | {"robot": robot.robot, "robot_digest": arm.digest}
     plot = None if planned.best is None else output.plot
     if output.out is not None:
         from hitjoints.datasets.files import write_whole
