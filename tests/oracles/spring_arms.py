@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from hitjoints.impact.spring_arm import SpringArm
 
@@ -34,6 +35,18 @@ class Case:
     def arm(self) -> SpringArm:
         response = np.linalg.inv(self.M)
         return SpringArm(response, self.g, self.B, self.K, self.D, (self.Kp, self.Kd))
+
+    @property
+    def energy(self) -> float:
+        """J, in the elongations' motion at the first touch: of all bodies and springs, from C."""
+        lightness = block_diag(np.linalg.inv(self.M), np.diag(1 / self.B), 1 / self.m)
+        zero, one = np.zeros((JOINTS, JOINTS)), np.eye(JOINTS)
+        served = np.flatnonzero(self.Kp + self.Kd > 0)
+        springs = np.vstack([np.hstack([-one, one]), np.hstack([zero, one])[served]])
+        springs = block_diag(springs, -1.0)
+        springs[-1, :JOINTS] = self.g
+        inverse = np.linalg.inv(springs @ lightness @ springs.T)
+        return float(self.v**2 / 2 * inverse[-1, -1])
 
     @property
     def fastest(self) -> float:
