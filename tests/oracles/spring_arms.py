@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from hitjoints.impact.spring_arm import SpringArm
 
+Array = NDArray[np.float64]
 JOINTS = 7
 STEPS = 2000
 LONGEST = 5
@@ -18,13 +20,13 @@ LONGEST = 5
 class Case:
     """An arm, an object and the spring between them."""
 
-    M: np.ndarray
-    g: np.ndarray
-    B: np.ndarray
-    K: np.ndarray
-    D: np.ndarray
-    Kp: np.ndarray
-    Kd: np.ndarray
+    M: Array
+    g: Array
+    B: Array
+    K: Array
+    D: Array
+    Kp: Array
+    Kd: Array
     m: float
     v: float
     k: float
@@ -33,7 +35,7 @@ class Case:
 
     @property
     def arm(self) -> SpringArm:
-        response = np.linalg.inv(self.M)
+        response = np.asarray(np.linalg.inv(self.M), dtype=float)
         return SpringArm(response, self.g, self.B, self.K, self.D, (self.Kp, self.Kd))
 
     @property
@@ -54,10 +56,18 @@ class Case:
         light = 1 / np.linalg.eigvalsh(self.M)[0] + 1 / self.B.min()
         pair = self.g @ np.linalg.solve(self.M, self.g) + 1 / self.m
         stiff = (self.K.max() + self.Kp.max()) * light + self.k * pair
-        return np.sqrt(stiff) + (self.D.max() + self.Kd.max()) * light + self.d * pair
+        damped = (self.D.max() + self.Kd.max()) * light + self.d * pair
+        return float(np.sqrt(stiff) + damped)
 
 
-def random_case(random, *, stiffest=5.5, lightest=-2, servo=False, restitution=None) -> Case:
+def random_case(
+    random: np.random.Generator,
+    *,
+    stiffest: float = 5.5,
+    lightest: float = -2,
+    servo: bool = False,
+    restitution: float | None = None,
+) -> Case:
     """Return a case: inertias of 10^lightest to 5 kg m^2, joints of 1e2 to 10^stiffest N m/rad."""
     from hitjoints.impact.elastic import pair_spring
 
@@ -85,7 +95,7 @@ def random_case(random, *, stiffest=5.5, lightest=-2, servo=False, restitution=N
     return case
 
 
-def integrate(cases: list[Case], *, steps: int = STEPS) -> np.ndarray:
+def integrate(cases: list[Case], *, steps: int = STEPS) -> Array:
     """Return parting time, object speed and robot speed of every case (3, C).
 
     By Runge and Kutta's steps of order 4, all cases at once; nan where they touch for more than
@@ -93,7 +103,7 @@ def integrate(cases: list[Case], *, steps: int = STEPS) -> np.ndarray:
     """
     n, size = JOINTS, 2 * JOINTS + 1
 
-    def of(name):
+    def of(name: str) -> Array:
         values = np.array([getattr(case, name) for case in cases])
         return values if values.ndim > 1 else values[:, None]
 
@@ -101,12 +111,12 @@ def integrate(cases: list[Case], *, steps: int = STEPS) -> np.ndarray:
     Kp, Kd, m, v, k, d = of("Kp"), of("Kd"), of("m"), of("v"), of("k"), of("d")
     h = 2 * of("time") / steps
 
-    def force(time, s):
+    def force(time: Array, s: Array) -> Array:
         depth = v * time + (g * s[:, :n]).sum(axis=1, keepdims=True) - s[:, 2 * n : 2 * n + 1]
         moved = (g * s[:, size : size + n]).sum(axis=1, keepdims=True)
-        return k * depth + d * (v + moved - s[:, -1:])
+        return np.asarray(k * depth + d * (v + moved - s[:, -1:]))
 
-    def derivative(time, s):
+    def derivative(time: Array, s: Array) -> Array:
         q, t = s[:, :n], s[:, n : 2 * n]
         dq, dt = s[:, size : size + n], s[:, size + n : size + 2 * n]
         pull = K * (t - q) + D * (dt - dq)
@@ -115,7 +125,7 @@ def integrate(cases: list[Case], *, steps: int = STEPS) -> np.ndarray:
         rotors = (-pull - Kp * t - Kd * dt) / B
         return np.concatenate([s[:, size:], links, rotors, push / m], axis=1)
 
-    def step(time, s, h):
+    def step(time: Array, s: Array, h: Array) -> Array:
         a = derivative(time, s)
         b = derivative(time + h / 2, s + h / 2 * a)
         c = derivative(time + h / 2, s + h / 2 * b)
