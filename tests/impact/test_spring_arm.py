@@ -37,6 +37,17 @@ def test_as_the_integrator(random, servo):
     agree([random_case(random, servo=servo) for _ in range(30)], 2000)
 
 
+@pytest.mark.parametrize("servo", [False, True])
+def test_an_arm_that_is_bent_by_its_own_motion(random, servo):
+    cases = [random_case(random, servo=servo) for _ in range(15)]
+    for case in cases:
+        case.own = random.normal(0, 3.0, 7)
+        case.bend = random.normal(0, 1.0)
+        if servo:
+            case.Kp[random.integers(0, 2, 7) == 0] = 0.0  # servos of velocity alone, too
+    agree(cases, 2000)
+
+
 def test_light_links_and_stiff_joints(random):
     cases = [random_case(random, stiffest=7, lightest=-3) for _ in range(10)]
     for case in cases:

@@ -32,11 +32,15 @@ class Case:
     k: float
     d: float
     time: float
+    own: Array
+    bend: float = 0.0
 
     @property
     def arm(self) -> SpringArm:
         response = np.asarray(np.linalg.inv(self.M), dtype=float)
-        return SpringArm(response, self.g, self.B, self.K, self.D, (self.Kp, self.Kd))
+        return SpringArm(
+            response, self.g, self.B, self.K, self.D, (self.Kp, self.Kd), self.own, self.bend
+        )
 
     @property
     def energy(self) -> float:
@@ -90,6 +94,7 @@ def random_case(
         k=0.0,
         d=0.0,
         time=time,
+        own=np.zeros(JOINTS),
     )
     case.k, case.d = pair_spring(case.arm.mobility, mass, eps, time)
     return case
@@ -109,19 +114,24 @@ def integrate(cases: list[Case], *, steps: int = STEPS) -> Array:
 
     inverse, g, B, K, D = np.linalg.inv(of("M")), of("g"), of("B"), of("K"), of("D")
     Kp, Kd, m, v, k, d = of("Kp"), of("Kd"), of("m"), of("v"), of("k"), of("d")
-    h = 2 * of("time") / steps
+    h, own, bend = 2 * of("time") / steps, of("own"), of("bend")
 
     def force(time: Array, s: Array) -> Array:
-        depth = v * time + (g * s[:, :n]).sum(axis=1, keepdims=True) - s[:, 2 * n : 2 * n + 1]
+        depth = (
+            v * time
+            + bend * time**2 / 2
+            + (g * s[:, :n]).sum(axis=1, keepdims=True)
+            - s[:, 2 * n : 2 * n + 1]
+        )
         moved = (g * s[:, size : size + n]).sum(axis=1, keepdims=True)
-        return np.asarray(k * depth + d * (v + moved - s[:, -1:]))
+        return np.asarray(k * depth + d * (v + bend * time + moved - s[:, -1:]))
 
     def derivative(time: Array, s: Array) -> Array:
         q, t = s[:, :n], s[:, n : 2 * n]
         dq, dt = s[:, size : size + n], s[:, size + n : size + 2 * n]
         pull = K * (t - q) + D * (dt - dq)
         push = force(time, s)
-        links = np.matmul(inverse, (pull - g * push)[:, :, None])[:, :, 0]
+        links = np.matmul(inverse, (pull - g * push)[:, :, None])[:, :, 0] + own
         rotors = (-pull - Kp * t - Kd * dt) / B
         return np.concatenate([s[:, size:], links, rotors, push / m], axis=1)
 
@@ -144,6 +154,6 @@ def integrate(cases: list[Case], *, steps: int = STEPS) -> Array:
         above = force(time + middle, step(time, state, middle)) > 0
         low, high = np.where(above, middle, low), np.where(above, high, middle)
     end = step(time, state, high)
-    robot = v[:, 0] + (g * end[:, size : size + n]).sum(axis=1)
+    robot = (v + bend * (time + high))[:, 0] + (g * end[:, size : size + n]).sum(axis=1)
     found = np.array([(time + high)[:, 0], end[:, -1], robot])
     return np.where(touching[:, 0], np.nan, found)
