@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
@@ -29,7 +28,6 @@ if TYPE_CHECKING:
 
     from hitjoints.planning.candidates import Candidate
     from hitjoints.planning.planner import Plan
-    from hitjoints.planning.room.surroundings import Surroundings
     from hitjoints.planning.start import Start
     from hitjoints.planning.torque_cost import TorqueCost
 
@@ -56,6 +54,10 @@ class AimOptions(OptionGroup):
     torque_limits: TorquesOption = False
     seed: SeedOption = 0
 
+    def setting(self) -> dict[str, Any]:
+        """Return what a hit keeps of it."""
+        return {name: value for name, value in vars(self).items() if name != "certificate"}
+
 
 @dataclass(frozen=True)
 class RoomOptions(OptionGroup):
@@ -78,16 +80,18 @@ class RoomOptions(OptionGroup):
         ),
     ] = None
 
-    def read(self) -> Surroundings:
-        """Read the values.
+    def setting(self) -> dict[str, Any]:
+        """Return what a hit keeps of it.
 
         Raises:
-            InputError: one cannot be used.
+            InputError: a value cannot be used.
         """
-        from hitjoints.planning.room.surroundings import Surroundings
-
         size = None if self.object_size is None else triple(self.object_size, "object_size")
-        return Surroundings(size, self.table_height, self.margin)
+        return {
+            "object_size": size,
+            "table_height": self.table_height,
+            "margin": self.margin,
+        }
 
 
 @dataclass(frozen=True)
@@ -111,39 +115,23 @@ def plan(
     output: PlanOutputs,
 ) -> None:
     """Choose the joint to hit with and its configuration, with evidence (Eq. 8, 14)."""
-    from hitjoints.planning.planner import plan as make_plan
+    from hitjoints.planning.planner import plan_hit
+    from hitjoints.planning.room.surroundings import Surroundings
 
     asked = hit.read()
-    check_outputs(output.plot, (output.out, "out", (".json",)), inputs=[robot.robot])
+    check_outputs(output.plot, (output.out, "out", (".json",)), inputs=[robot.robot, hit.file])
     arm = robot.load()
-    around = room.read()
-    planned = make_plan(
-        arm,
-        asked.position,
-        asked.direction,
-        asked.mass,
-        joints=asked.contacts(arm),
-        objective=aim.objective,
-        flux=asked.flux,
-        away=aim.away,
-        seed=aim.seed,
-        certificate=aim.certificate,
-        surroundings=around,
-        start=True,
-        torque_limits=aim.torque_limits,
-    )
+    wanted = asked.hit(None, robot=robot.choice, **aim.setting(), **room.setting())
+    planned = plan_hit(wanted, arm, aim.certificate)
     result = planned.as_dict() | {"robot": robot.robot}
     plot = None if planned.best is None else output.plot
     if output.out is not None:
-        from hitjoints.datasets.files import write_whole
-
-        text = json.dumps(result, allow_nan=False, indent=1) + "\n"
-        write_whole(output.out, "out", lambda path: path.write_text(text, encoding="utf-8"))
+        planned.save(output.out)
     if plot is not None:
         from hitjoints.show.figures import save_figure
         from hitjoints.show.plan_figure import draw_plan
 
-        save_figure(draw_plan(arm, planned, around.object_size), plot)
+        save_figure(draw_plan(arm, planned, Surroundings.of(wanted).object_size), plot)
     if output.as_json:
         print_json(result)
     else:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import typer
 
+from .hit_sources import told
 from .option_groups import grouped
 from .sweep_joint import sweep_joint
 from .sweep_workspace import sweep_workspace
 
 app = typer.Typer(help="Map inertia, speed and flux.", no_args_is_help=True)
-app.command("joint")(grouped(sweep_joint))
-app.command("workspace")(grouped(sweep_workspace))
+app.command("joint")(grouped(sweep_joint, told))
+app.command("workspace")(grouped(sweep_workspace, told))

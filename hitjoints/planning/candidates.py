@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
@@ -40,6 +41,7 @@ class Candidate:
         clearance: least distances (m) at q and on the straight approach, see `Clearance`.
         evidence: samples, admissible, local_optima, restarts, spread, certificate; for an
             infeasible joint `nearest`, the nearest feasible value and where it is attained.
+        offset: (3,) m, of the contact in the joint's frame.
     """
 
     joint: int
@@ -56,6 +58,7 @@ class Candidate:
     away_gap: float | None = None
     clearance: dict[str, Any] | None = None
     evidence: dict[str, Any] = field(default_factory=dict, repr=False)
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the attributes by name, arrays as lists."""
@@ -63,10 +66,13 @@ class Candidate:
 
 
 def plain(value: Any) -> Any:
-    """Return a value as JSON knows it: arrays as lists, also inside a dictionary."""
+    """Return a value as JSON knows it: arrays as lists, what is not finite as None."""
     if isinstance(value, dict):
-        return {key: plain(item) for key, item in value.items()}
-    return value.tolist() if hasattr(value, "tolist") else value
+        return {str(key): plain(item) for key, item in value.items()}
+    listed = value.tolist() if hasattr(value, "tolist") else value
+    if isinstance(listed, (list, tuple)):
+        return [plain(item) for item in listed]
+    return None if isinstance(listed, float) and not math.isfinite(listed) else listed
 
 
 def away_gap(hit: Hit, q: Array) -> float:

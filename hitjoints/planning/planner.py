@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import singledispatch
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.errors import InputError, UnknownNameError
+from hitjoints.datasets.describe import origin
+from hitjoints.datasets.files import write_whole
+from hitjoints.errors import InfeasibleError, InputError, UnknownNameError
+from hitjoints.hit import Hit as Wish
 from hitjoints.hit import check_flux
+from hitjoints.hit_setting import HitSetting, RobotChoice
 from hitjoints.impact.collision import required_speed
+from hitjoints.loading.catalogue import robot_names
+from hitjoints.model.robot import Contact
 from hitjoints.planning.candidates import Candidate, plain
 from hitjoints.planning.joint_plan import plan_joint
 from hitjoints.planning.objectives.hit_problem import OBJECTIVES, Hit
@@ -23,7 +32,7 @@ from hitjoints.vectors import points, unit
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.model.robot import Contact, Robot
+    from hitjoints.model.robot import Robot
 
     Array = NDArray[np.float64]
 
@@ -42,24 +51,48 @@ class Plan:
 
     Attributes:
         robot: name.
-        position: (3,) m. direction: (3,) unit. mass: kg.
-        objective: what is best. flux: m/s demanded, if any.
+        hit: that was asked for, with how it was planned.
         best: None if no joint can do it.
         candidates: in the order of the joints asked for.
+        digest: of the robot: whatever has the same gives the same numbers.
+        made_with: versions of hitjoints and of what its numbers depend on.
         start: of the best hit, if it was asked for.
         torque_costs: of every candidate that can do it, if torque limits were asked for.
     """
 
     robot: str
-    position: Array
-    direction: Array
-    mass: float
-    objective: str
-    flux: float | None
+    hit: Wish
     best: Candidate | None
     candidates: tuple[Candidate, ...]
+    digest: str
+    made_with: str
     start: Start | None = None
     torque_costs: tuple[TorqueCost, ...] = ()
+
+    @property
+    def position(self) -> Array:
+        """Where the object is, (3,) m."""
+        return self.hit.position
+
+    @property
+    def direction(self) -> Array:
+        """The hitting direction, (3,) unit."""
+        return self.hit.direction
+
+    @property
+    def mass(self) -> float:
+        """Of the object, kg."""
+        return self.hit.mass
+
+    @property
+    def objective(self) -> str:
+        """What is best."""
+        return self.hit.setting.objective
+
+    @property
+    def flux(self) -> float | None:
+        """The flux demanded, m/s, if any."""
+        return self.hit.flux
 
     @property
     def summary(self) -> str:
@@ -76,11 +109,14 @@ class Plan:
         """Return the answer as JSON knows it."""
         return {
             "robot": self.robot,
+            "digest": self.digest,
+            "made_with": self.made_with,
+            "hit": self.hit.as_dict(),
             "position": plain(self.position),
             "direction": plain(self.direction),
             "mass": self.mass,
             "objective": self.objective,
-            "required_flux": self.flux,
+            "flux": self.flux,
             "feasible": self.best is not None,
             "summary": self.summary,
             "best": None if self.best is None else self.best.as_dict(),
@@ -89,7 +125,59 @@ class Plan:
             "torque_costs": [one.as_dict() for one in self.torque_costs],
         }
 
+    def save(self, path: str | Path) -> None:
+        """Write a file that `load_plan` reads, with paths relative to it.
 
+        Raises:
+            InputError: it cannot be written.
+        """
+        path = Path(path)
+        told = self.as_dict() | {"hit": self.hit.seen_from(path.parent).as_dict()}
+        text = json.dumps(told, allow_nan=False, indent=1) + "\n"
+        write_whole(path, "out", lambda made: made.write_text(text, encoding="utf-8"))
+
+    def load_robot(self) -> Robot:
+        """Load the arm it was made for.
+
+        Raises:
+            InputError: the plan does not know where it is from, or it has changed since.
+        """
+        choice = self.hit.setting.robot
+        if choice is None:
+            raise InputError("robot", self.robot, "the plan does not say how to load it")
+        return self.check_robot(choice.load())
+
+    def check_robot(self, robot: Robot) -> Robot:
+        """Return a robot that is the one the plan was made for.
+
+        Raises:
+            InputError: it is another.
+        """
+        if robot.digest != self.digest:
+            same = "what was" if robot.name == self.robot else "the robot"
+            expected = f"the plan is made for {self.robot}, and this is not {same} it was made for"
+            raise InputError("robot", robot.name, expected)
+        return robot
+
+    @property
+    def chosen_hit(self) -> Wish:
+        """The hit with what is best to hit with.
+
+        Raises:
+            InfeasibleError: no joint can do it.
+        """
+        if self.best is None:
+            raise InfeasibleError(f"the plan says no: {self.summary}")
+        return self.hit.with_contact(Contact(self.best.joint, self.best.offset))
+
+    def __eq__(self, other: object) -> bool:
+        """Tell whether two plans say the same."""
+        return isinstance(other, Plan) and self.as_dict() == other.as_dict()
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+@singledispatch
 def plan(
     robot: Robot,
     position: ArrayLike,
@@ -163,7 +251,7 @@ def plan(
         one = plan_joint(hit, objective, flux, seed, certificate, demands, near)
         if one.q is not None and surroundings is not None:
             one = replace(one, clearance=surroundings.report(robot, one.q, hit.contact, h))
-        found.append(one)
+        found.append(replace(one, offset=hit.contact.offset))
     best, candidates = _compare(found, RANKED_BY[objective])
     begin = None
     if start and best is not None:
@@ -174,7 +262,57 @@ def plan(
         for one, hit in zip(candidates, hits, strict=True)
         if torque_limits and one.q is not None
     )
-    return Plan(robot.name, target, h, float(mass), objective, flux, best, candidates, begin, costs)
+    around = Surroundings() if surroundings is None else surroundings
+    alone, offsets = len(contacts) == 1, {contact.offset for contact in contacts}
+    setting = HitSetting(
+        RobotChoice(robot.name) if robot.name in robot_names() else None,
+        None if alone else tuple(contact.joint for contact in contacts),
+        next(iter(offsets)) if len(offsets) == 1 and not alone else (0.0, 0.0, 0.0),
+        around.object_size,
+        around.table_height,
+        around.margin,
+        objective,
+        away,
+        torque_limits,
+        seed,
+    )
+    wish = Wish(contacts[0] if alone else None, target, h, float(mass), flux, setting=setting)
+    made_with = str(origin(robot)["source"])
+    return Plan(robot.name, wish, best, candidates, robot.digest, made_with, begin, costs)
+
+
+@plan.register(Wish)
+def plan_hit(  # type: ignore[misc]  # its first argument is another than that of plan
+    hit: Wish, robot: Robot | None = None, certificate: bool = True
+) -> Plan:
+    """Choose the joint and the configuration for a hit that says all the rest itself.
+
+    Args:
+        hit: what is asked, with the arm and how to plan in its setting.
+        robot: the arm, if it is loaded already.
+        certificate: as `plan`.
+    """
+    setting = hit.setting
+    if robot is None:
+        if setting.robot is None:
+            raise InputError("robot", None, "the hit does not say with which arm")
+        robot = setting.robot.load()
+    planned: Plan = plan(
+        robot,
+        hit.position,
+        hit.direction,
+        hit.mass,
+        joints=hit.contacts(robot),
+        objective=setting.objective,
+        flux=hit.flux,
+        away=setting.away,
+        seed=setting.seed,
+        certificate=certificate,
+        surroundings=Surroundings.of(hit),
+        start=True,
+        torque_limits=setting.torque_limits,
+    )
+    return replace(planned, hit=hit)
 
 
 def _demands(
