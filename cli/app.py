@@ -11,7 +11,7 @@ from hitjoints.version import __version__
 
 from . import (
     calibrate,
-    hit,
+    hit_command,
     inspect,
     plan,
     replay,
@@ -27,7 +27,7 @@ from .hit_sources import told
 from .option_groups import grouped
 
 COMMANDS: dict[str, Callable[..., Any]] = {
-    "hit": hit.hit,
+    "hit": hit_command.hit,
     "plan": plan.plan,
     "rollout": rollout.rollout,
     "swing": swing.swing,

@@ -16,13 +16,14 @@ from .options import triple
 if TYPE_CHECKING:
     from hitjoints.hit import Hit
     from hitjoints.model.robot import Contact, Robot
-    from hitjoints.planning.planner import Plan
+    from hitjoints.planning.plan_record import Plan
 
 OBJECT = "0.5,0.3,0.5"
 DIRECTION = "0,1,0"
 MASS = 2.0
 FLUX = 0.3
 T = TypeVar("T")
+TIP = "tip"
 SAME = 1e-9  # by which an option may differ from what a plan says
 
 
@@ -67,7 +68,9 @@ class HitOptions(OptionGroup):
     offset: Annotated[
         str | None,
         typer.Option(
-            "--offset", metavar="X,Y,Z", help="Contact point in the joint's frame (m). (default: 0)"
+            "--offset",
+            metavar="X,Y,Z|tip",
+            help="Contact point in the joint's frame (m), or the tip of the tool. (default: 0)",
         ),
     ] = None
     flux: Annotated[
@@ -92,7 +95,8 @@ class HitOptions(OptionGroup):
 
         Args:
             plan: that the values must not contradict.
-            told: restitution and friction, where a command has options of its own for them.
+            told: restitution and friction, where a command has options of its own for them; a
+                goal or an object speed needs them.
 
         Raises:
             InputError: a value cannot be used, or contradicts the plan.
@@ -100,7 +104,8 @@ class HitOptions(OptionGroup):
         from hitjoints.hit_loading import load_hit
 
         positions = {
-            "object": self.position, "goal": self.goal, "offset": self.offset,
+            "object": self.position, "goal": self.goal,
+            "offset": None if self.offset == TIP else self.offset,
         }  # fmt: skip
         read = {name: None if v is None else triple(v, name) for name, v in positions.items()}
         along = [triple(text, "direction") for text in self.direction or ()]
@@ -112,15 +117,17 @@ class HitOptions(OptionGroup):
             "goal": read["goal"],
             "mass": self.mass,
             "joints": None if self.joint is None else tuple(self.joint),
-            "offset": read["offset"],
+            "offset": read["offset"] if self.offset != TIP else TIP,
             "flux": self.flux,
             "object_speed": self.object_speed,
             "restitution": self.restitution,
             "friction": self.friction,
             "base": load_hit(self.file) if self.file is not None else plan and plan.hit,
         }
+        if self.goal is not None or self.object_speed is not None:
+            asked |= told
         check_mass(MASS if self.mass is None else self.mass)
-        given = {name: value for name, value in (asked | told).items() if value is not None}
+        given = {name: value for name, value in asked.items() if value is not None}
         return AskedHit(**given)
 
 
@@ -134,7 +141,8 @@ class AskedHit:
         goal: (3,) m, where the object is to slide to.
         mass: kg.
         joints: to hit with; None for the robot's own.
-        offset: (3,) m, of the contact in the joint's frame.
+        offset: (3,) m, of the contact in the joint's frame, or "tip" for that of the tool; None
+            for the origin, and for the tip when no joint is named either.
         flux: m/s; None if none is demanded.
         object_speed: m/s, asked for instead.
         restitution: 0 to 1.
@@ -147,7 +155,7 @@ class AskedHit:
     goal: tuple[float, float, float] | None = None
     mass: float = MASS
     joints: tuple[int, ...] | None = None
-    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    offset: tuple[float, float, float] | str | None = None
     flux: float | None = None
     object_speed: float | None = None
     restitution: float | None = None
@@ -171,10 +179,10 @@ class AskedHit:
         Raises:
             InputError: the robot has no such joint.
         """
-        from hitjoints.model.robot import Contact
-
-        joints = robot.hitting_joints if self.joints is None else self.joints
-        return robot.contacts([Contact(joint, self.offset) for joint in joints])
+        if self.joints is None and self.offset is None:
+            return robot.usual_contacts
+        usual = (robot.n,) if self.offset == TIP else robot.hitting_joints
+        return robot.contacts([self._placed(robot, k) for k in self.joints or usual])
 
     def contact(self, robot: Robot) -> Contact:
         """Return the one contact: of the robot's usual joint if none is named.
@@ -182,16 +190,25 @@ class AskedHit:
         Raises:
             InputError: several joints are named, or one that the robot does not have.
         """
+        usual = robot.n if self.offset == TIP else robot.usual_joint
+        return self._placed(robot, usual if self.joints is None else _only("joint", self.joints))
+
+    def _placed(self, robot: Robot, joint: int) -> Contact:
+        from hitjoints.errors import InputError
         from hitjoints.model.robot import Contact
 
-        joint = robot.usual_joint if self.joints is None else _only("joint", self.joints)
-        return robot.contact(Contact(joint, self.offset))
+        if not isinstance(self.offset, str):
+            return robot.contact(Contact(joint, self.offset or (0.0, 0.0, 0.0)))
+        if robot.tool is None or joint != robot.n:
+            wanted = f"a tool (--tool FILE) and joint {robot.n}, which carries it"
+            raise InputError("offset", TIP, wanted)
+        return robot.flange
 
-    def hit(self, contact: Contact | None, **setting: Any) -> Hit:
+    def hit(self, contact: Contact | Robot | None, **setting: Any) -> Hit:
         """Return the hit.
 
         Args:
-            contact: what hits; None for whichever of the joints is best.
+            contact: what hits; a robot for whichever of its joints is best.
             setting: what else is asked for, by the names of `HitSetting`.
 
         Raises:
@@ -200,9 +217,17 @@ class AskedHit:
         from dataclasses import replace
 
         from hitjoints.hit import Hit
+        from hitjoints.model.robot import Contact
 
+        robot = None if contact is None or isinstance(contact, Contact) else contact
+        if robot is not None:
+            # The tip of a tool is kept in numbers.
+            at_tip = self.offset == TIP
+            joints = (robot.n,) if at_tip else self.joints
+            offset = self.contact(robot).offset if at_tip else self.offset
+            setting |= {"joints": joints, "offset": offset}
         given: dict[str, Any] = {
-            "contact": contact,
+            "contact": contact if robot is None else None,
             "position": self.position,
             "mass": self.mass,
             "goal": self.goal,
@@ -212,8 +237,6 @@ class AskedHit:
             "restitution": self.restitution,
             "friction": self.friction,
         }
-        if contact is None:
-            setting |= {"joints": self.joints, "offset": self.offset}
         base = Hit(**given) if self.base is None else self.base.changed(**given)
         return base.changed(setting=replace(base.setting, **setting))
 

@@ -70,6 +70,7 @@ def options_of(hit: Hit) -> dict[str, Any]:
         said |= {
             "robot": robot.source,
             "tip": robot.tip,
+            "tool": None if robot.tool is None else Path(robot.tool),
             "base": robot.base,
             "lock": [f"{name}={value!r}" for name, value in robot.lock.items()] or None,
             "package_dirs": [Path(folder) for folder in robot.package_dirs] or None,

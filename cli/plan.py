@@ -26,10 +26,18 @@ from .robot_options import RobotOptions
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from hitjoints.model.robot import Robot
     from hitjoints.planning.candidates import Candidate
-    from hitjoints.planning.planner import Plan
+    from hitjoints.planning.plan_record import Plan
     from hitjoints.planning.start import Start
     from hitjoints.planning.torque_cost import TorqueCost
+
+
+FLUX_BY = ("deliverable", "speed")
+COLUMNS = (
+    *("hit with", "inertia", "speed", "straight", "flux", "straight", "deliverable"),
+    *("optimum", "verdict"),
+)
 
 
 @dataclass(frozen=True)
@@ -40,8 +48,20 @@ class AimOptions(OptionGroup):
 
     objective: Annotated[
         str,
-        typer.Option("--objective", help="inertia, flux, straight-flux, or rebound with --flux."),
+        typer.Option(
+            "--objective",
+            help="inertia, flux, straight-flux, deliverable, or rebound with --flux.",
+        ),
     ] = "inertia"
+    flux_by: Annotated[
+        str | None,
+        typer.Option(
+            "--flux-by",
+            metavar="deliverable|speed",
+            help="What --flux has to be within: what a motion from rest to rest can deliver, "
+            "where the arm's acceleration limits are known, or the speed of Eq. 9.",
+        ),
+    ] = None
     away: Annotated[
         bool, typer.Option("--away/--no-away", help="Demand the away condition of Eq. 14.")
     ] = True
@@ -54,9 +74,24 @@ class AimOptions(OptionGroup):
     torque_limits: TorquesOption = False
     seed: SeedOption = 0
 
+    def deliverable(self, arm: Robot) -> bool:
+        """Tell whether a flux has to be deliverable.
+
+        Raises:
+            UnknownNameError: `--flux-by` is neither of its values.
+        """
+        from hitjoints.errors import UnknownNameError
+
+        if self.flux_by not in (None, *FLUX_BY):
+            raise UnknownNameError("flux_by", self.flux_by, FLUX_BY)
+        if self.flux_by is None:
+            return arm.acceleration is not None
+        return self.flux_by == "deliverable"
+
     def setting(self) -> dict[str, Any]:
         """Return what a hit keeps of it."""
-        return {name: value for name, value in vars(self).items() if name != "certificate"}
+        names = ("objective", "away", "torque_limits", "seed")
+        return {name: getattr(self, name) for name in names}
 
 
 @dataclass(frozen=True)
@@ -121,7 +156,8 @@ def plan(
     asked = hit.read()
     check_outputs(output.plot, (output.out, "out", (".json",)), inputs=[robot.robot, hit.file])
     arm = robot.load()
-    wanted = asked.hit(None, robot=robot.choice, **aim.setting(), **room.setting())
+    setting = aim.setting() | room.setting() | {"deliverable": aim.deliverable(arm)}
+    wanted = asked.hit(arm, robot=robot.choice, **setting)
     planned = plan_hit(wanted, arm, aim.certificate)
     result = planned.as_dict() | {"robot": robot.robot}
     plot = None if planned.best is None else output.plot
@@ -147,11 +183,24 @@ def _print(title: str, planned: Plan) -> None:
     at = ", ".join(f"{v:g}" for v in planned.position)
     along = ", ".join(f"{v:g}" for v in planned.direction)
     flux = "" if planned.flux is None else f" for a flux of {planned.flux:g} m/s"
+    if planned.deliverable:
+        flux = f" for a deliverable flux of {planned.flux:g} m/s"
     print_table(
         f"{title}: hit {planned.mass:g} kg at ({at}) m along ({along}), {planned.objective}{flux}",
-        ("hit with", "inertia", "speed", "straight", "flux", "straight", "optimum", "verdict"),
+        (
+            "hit with",
+            "inertia",
+            "speed",
+            "straight",
+            "flux",
+            "straight",
+            "deliverable",
+            "optimum",
+            "verdict",
+        ),
         [_row(one, one is planned.best) for one in planned.candidates],
-        caption="kg and m/s; straight: moving along the direction only; optimum: proved over the "
+        caption="kg and m/s; straight: moving along the direction only; deliverable: the same from "
+        "rest to rest within the arm's limits; optimum: proved over the "
         "joints beyond the contact, and found by so many of the independent searches",
     )
     print(planned.summary)
@@ -209,11 +258,12 @@ def _row(one: Candidate, best: bool) -> list[object]:
 
     name = f"joint {one.joint}"
     if not one.feasible:
-        return [name, "", "", "", "", "", "", f"no: {one.reason.partition(':')[0]}"]
+        return [name, *[""] * 7, f"no: {one.reason.partition(':')[0]}"]
     evidence: dict[str, Any] = one.evidence
     certificate = evidence["certificate"]
     proof = "" if certificate is None else f"{100 * max(certificate['gap'], 1e-4):.2g} %, "
     sure = f"{proof}{evidence['agreeing']}/{len(evidence['restarts'])}"
     verdict = f"best: {one.reason}" if best else one.reason
     numbers = (one.inertia, one.speed, one.straight_speed, one.flux, one.straight_flux)
-    return [name, *(at_most(float(value or 0.0)) for value in numbers), sure, verdict]
+    known = "" if one.deliverable_flux is None else at_most(one.deliverable_flux)
+    return [name, *(at_most(float(value or 0.0)) for value in numbers), known, sure, verdict]

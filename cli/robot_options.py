@@ -42,6 +42,10 @@ class RobotOptions(OptionGroup):
             "--lock", metavar="NAME[=VALUE]", help="Joint to hold, at 0 or there; may be repeated."
         ),
     ] = None
+    tool: Annotated[
+        Path | None,
+        typer.Option("--tool", metavar="FILE", help="Tool on the flange: TOML, see own_arm."),
+    ] = None
     package_dirs: Annotated[
         list[Path] | None,
         typer.Option(
@@ -62,6 +66,7 @@ class RobotOptions(OptionGroup):
             "tip": self.tip,
             "base": self.base,
             "lock": self.lock,
+            "tool": self.tool,
             "package_dirs": self.package_dirs or (),
             "xacro_args": assigned(self.xacro_args or ()),
         }

@@ -14,7 +14,7 @@ from .options import SeedOption, numbers, triple
 if TYPE_CHECKING:
     from hitjoints.hit import Hit
     from hitjoints.model.robot import Robot
-    from hitjoints.planning.planner import Plan
+    from hitjoints.planning.plan_record import Plan
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ from .errors import (
 from .errors import (
     SolverError as SolverError,
 )
+from .evaluator import Evaluator as Evaluator
 from .evidence.calibration.past_hits import calibrate as calibrate
 from .evidence.paper.reproduction import reproduce as reproduce
 from .evidence.physics.simulation import simulate as simulate
@@ -40,6 +41,7 @@ from .goals.landing import landing as landing
 from .hit import Hit as Hit
 from .hit_loading import load_hit as load_hit
 from .hitting.controller import Controller as Controller
+from .hitting.drive_limits import DriveLimits as DriveLimits
 from .impact.collision import (
     hitting_flux as hitting_flux,
 )
@@ -67,6 +69,7 @@ from .maps.workspace import open_map as open_map
 from .maps.workspace import sweep_workspace as sweep_workspace
 from .model.robot import Contact as Contact
 from .model.robot import Robot as Robot
+from .model.tool import Tool as Tool
 from .planning.learning.feasibility import (
     learn_feasibility as learn_feasibility,
 )
@@ -93,7 +96,6 @@ from .quantities import (
 )
 from .rollouts.follow import rollout as rollout
 from .show.viewer import view as view
-from .swings.drive_limits import DriveLimits as DriveLimits
 from .swings.make_swing import swing as swing
 from .swings.swing_record import Swing as Swing
 from .version import __version__ as __version__

@@ -36,7 +36,7 @@ LEAST_FLUX = 1e-6
 
 OBJECT = ("position", "mass", "size", "yaw", "restitution", "friction", "spread")
 SURROUNDINGS = ("object_size", "table_height", "margin")
-HOW = ("objective", "away", "torque_limits", "seed", "dt", "q0")
+HOW = ("objective", "deliverable", "away", "torque_limits", "seed", "dt", "q0")
 LEVEL = 1e-6
 """m, and share of the way, up to which object and goal count as equally high."""
 
@@ -211,16 +211,19 @@ class Hit:
         found |= {"flux"} if self.object_speed is not None else set()
         return {f.name: getattr(self, f.name) for f in fields(self) if f.name not in found}
 
-    def contacts(self, robot: Robot) -> list[Contact]:
+    def contacts(self, robot: Robot) -> tuple[Contact, ...]:
         """Return the contacts to try with a robot: the one chosen, those named, or the robot's own.
 
         Raises:
             InputError: the robot has no such joint.
         """
         if isinstance(self.contact, Contact):
-            return [robot.contact(self.contact)]
-        joints = robot.hitting_joints if self.setting.joints is None else self.setting.joints
-        return [robot.contact(Contact(joint, self.setting.offset)) for joint in joints]
+            return (robot.contact(self.contact),)
+        joints, offset = self.setting.joints, self.setting.offset
+        if joints is None and offset is None:
+            return robot.usual_contacts
+        at = offset or (0.0, 0.0, 0.0)
+        return robot.contacts([Contact(joint, at) for joint in joints or robot.hitting_joints])
 
     def as_dict(self) -> dict[str, Any]:
         """Return what was given, table by table as in a file; what was left out is left out."""

@@ -36,6 +36,7 @@ class RobotTable(Table):
     tip: str | None = None
     base: str | None = None
     lock: dict[str, float] = {}
+    tool: str | None = None
     package_dirs: list[str] = []
     xacro_args: dict[str, str] = {}
 
@@ -44,7 +45,7 @@ class ContactTable(Table):
     """What hits."""
 
     joints: Annotated[list[Annotated[int, Field(ge=1, le=1000)]], Field(min_length=1)] | None = None
-    offset: Vector = [0.0, 0.0, 0.0]
+    offset: Vector | None = None
 
 
 class ObjectTable(Table):
@@ -80,6 +81,7 @@ class HowTable(Table):
     """How it is planned and made."""
 
     objective: str = "inertia"
+    deliverable: bool | None = None
     away: bool = True
     torque_limits: bool = False
     seed: Seed = 0

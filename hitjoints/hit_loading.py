@@ -52,18 +52,18 @@ def _found_from(hit: Hit, folder: Path) -> Hit:
 def _hit(tables: HitTables, source: str) -> Hit:
     said = tables.model_dump()
     robot, how, contact = said["robot"], said["how"], tables.contact
-    offset = _triple(contact.offset)
+    offset = None if contact.offset is None else _triple(contact.offset)
     one = contact.joints[0] if contact.joints is not None and len(contact.joints) == 1 else None
     joints = None if contact.joints is None or one is not None else tuple(contact.joints)
     try:
         return Hit(
-            None if one is None else Contact(one, offset),
+            None if one is None else Contact(one, offset or (0.0, 0.0, 0.0)),
             **said["object"],
             **said["wish"],
             setting=HitSetting(
                 robot=RobotChoice(**robot | {"package_dirs": tuple(robot["package_dirs"])}),
                 joints=joints,
-                offset=offset if one is None else (0.0, 0.0, 0.0),
+                offset=offset if one is None else None,
                 **said["surroundings"] | _tuple(said["surroundings"], "object_size"),
                 **how | _tuple(how, "q0"),
             ),

@@ -19,20 +19,28 @@ class RobotChoice:
 
     Attributes:
         source: name or path.
-        tip, base, lock, package_dirs, xacro_args: as `load_robot`; None and empty are the usual.
+        tip, base, lock, tool, package_dirs, xacro_args: as `load_robot`; None and empty are the
+            usual.
     """
 
     source: str = "iiwa14"
     tip: str | None = None
     base: str | None = None
     lock: Mapping[str, float] = field(default_factory=dict)
+    tool: str | None = None
     package_dirs: tuple[str, ...] = ()
     xacro_args: Mapping[str, str] = field(default_factory=dict)
 
     def load(self) -> Robot:
         """Load the arm; errors as `load_robot`."""
         return load_robot(
-            self.source, self.tip, self.base, self.lock, self.package_dirs, self.xacro_args or None
+            self.source,
+            self.tip,
+            self.base,
+            self.lock,
+            self.tool,
+            self.package_dirs,
+            self.xacro_args or None,
         )
 
     def seen_from(self, folder: Path) -> RobotChoice:
@@ -49,6 +57,7 @@ class RobotChoice:
         return replace(
             self,
             source=self.source if is_name else move(self.source),
+            tool=None if self.tool is None else move(self.tool),
             package_dirs=tuple(move(path) for path in self.package_dirs),
         )
 
@@ -60,12 +69,15 @@ class HitSetting:
     Attributes:
         robot: the arm; None where a function is given it.
         joints: 1-based, to try; None for the robot's hitting joints.
-        offset: (3,) m, of the contact in each joint's frame.
+        offset: (3,) m, of the contact in each joint's frame; None for the joint's origin, and for
+            the tip of a tool when no joint is named either.
         object_size: (3,) m, edges of the object seen along the axes of the base frame; None for
             the box that the hit's size makes.
         table_height: m, z of the table's plane; None for no table.
         margin: m, clearance to keep; None to report it only.
         objective: of `plan`.
+        deliverable: whether a flux is demanded of a motion from rest to rest; None where the
+            drives' limits are known.
         away: whether the away condition (Eq. 14) is demanded.
         torque_limits: whether motions keep the motors' torque limits.
         seed: of everything random.
@@ -75,11 +87,12 @@ class HitSetting:
 
     robot: RobotChoice | None = None
     joints: tuple[int, ...] | None = None
-    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    offset: tuple[float, float, float] | None = None
     object_size: tuple[float, float, float] | None = None
     table_height: float | None = None
     margin: float | None = None
     objective: str = "inertia"
+    deliverable: bool | None = None
     away: bool = True
     torque_limits: bool = False
     seed: int = 0

@@ -141,7 +141,7 @@ class Search:
     def errors(self, q: Array, targets: Array, threads: int | None) -> Array:
         """Distances (N,) from the targets (m)."""
         fill = [np.zeros(1)] * 4
-        found = evaluate(self.position, self.position.lanes, 3, [*q, *fill], q.shape[1], threads)
+        found = evaluate(self.position, 3, [*q, *fill], q.shape[1], threads)
         return np.asarray(np.sqrt(((found - targets) ** 2).sum(axis=0)))
 
 

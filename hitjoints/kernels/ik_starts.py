@@ -15,6 +15,7 @@ from hitjoints.model.turns import FAR, FAR_SLIDE, SLIDE, TURN
 GOLDEN = 0x9E3779B97F4A7C15
 MASK = (1 << 64) - 1
 BLOCK = 8192
+NANOSECONDS = 10.0  # about what a number takes
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -44,7 +45,7 @@ def random_starts(
                 link = chain.links[joint]
                 np.clip(unit, link.lower, link.upper, out=q[joint, a : a + len(block)])
 
-    over_rows(fill, len(rows), threads)
+    over_rows(fill, len(rows), threads, NANOSECONDS * n)
     return q
 
 

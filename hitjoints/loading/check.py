@@ -75,7 +75,9 @@ def _no_mass() -> list[Issue]:
 
 
 def _check_links(arm: Arm, robot: Robot, doubts: bool) -> list[Issue]:
-    reach = sum(link.size for link in arm.links if link.moving)
+    sizes = {link.name: link.size for link in arm.links}
+    way = [joint for joint in arm.tree.above(arm.tip) if joint.parent != arm.tree.root]
+    reach = sum(float(np.linalg.norm(joint.xyz)) for joint in way) + sizes[arm.tip]
     # The base does not move: its inertia plays no part.
     links = [link for link in arm.links if link_frame(link, robot).parentJoint]
     faults = [fault for link in links if (fault := tensor_fault(link, reach)) is not None]
@@ -129,7 +131,7 @@ def _check_placeholders(links: Sequence[Link]) -> list[Issue]:
             "warning",
             ", ".join(names),
             f"{len(names)} links have the same mass {key[0]:g} kg and tensor: placeholders",
-            "every inertia computed from them is a guess",
+            "the inertias computed from them are guesses",
             at_load=True,
         )
         for key, names in alike.items()

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hitjoints.built import kernel_for
 from hitjoints.datasets.describe import described
 from hitjoints.errors import InfeasibleError
 from hitjoints.impact.collision import hitting_flux
 from hitjoints.model.robot import Contact
-from hitjoints.quantities import kernel_for, place_joint
+from hitjoints.quantities import place_joint
 from hitjoints.vectors import LARGEST_SEED, points, positive_mass, unit, whole
 
 if TYPE_CHECKING:

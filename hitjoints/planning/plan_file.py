@@ -14,7 +14,7 @@ from hitjoints.errors import InputError, shown
 from hitjoints.hit_file import Table
 from hitjoints.hit_loading import hit_of
 from hitjoints.planning.candidates import Candidate
-from hitjoints.planning.planner import Plan
+from hitjoints.planning.plan_record import Plan
 from hitjoints.planning.start import Start
 from hitjoints.planning.torque_cost import TorqueCost
 
@@ -37,6 +37,8 @@ class CandidateTable(Table):
     straight_speed: float | None
     flux: float | None
     straight_flux: float | None
+    deliverable_flux: float | None
+    deliverable_reason: str | None
     away: bool | None
     away_gap: float | None
     clearance: dict[str, Any] | None
@@ -76,6 +78,7 @@ class PlanTables(Table):
     digest: str
     made_with: str
     robot: str
+    flux_by: str | None
     best: CandidateTable | None
     candidates: list[CandidateTable] = Field(min_length=1)
     start: StartTable | None
@@ -102,7 +105,8 @@ def load_plan(path: str | Path) -> Plan:
         best = candidates[said.candidates.index(said.best)]
     start = None if said.start is None else _made(Start, said.start)
     costs = tuple(_made(TorqueCost, table) for table in said.torque_costs)
-    return Plan(said.robot, hit, best, candidates, said.digest, said.made_with, start, costs)
+    told = said.robot, hit, best, candidates, said.digest, said.made_with, start, costs
+    return Plan(*told, deliverable=said.flux_by == "deliverable")
 
 
 def _read(path: Path) -> PlanTables:

@@ -2,31 +2,31 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import singledispatch
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hitjoints.datasets.describe import origin
-from hitjoints.datasets.files import write_whole
-from hitjoints.errors import InfeasibleError, InputError, UnknownNameError
-from hitjoints.hit import Hit as Wish
-from hitjoints.hit import check_flux
+from hitjoints.errors import InputError
+from hitjoints.hit import Hit, check_flux
 from hitjoints.hit_setting import HitSetting, RobotChoice
+from hitjoints.hitting.drive_limits import drive_limits
 from hitjoints.impact.collision import required_speed
 from hitjoints.loading.catalogue import robot_names
 from hitjoints.model.robot import Contact
-from hitjoints.planning.candidates import Candidate, plain
+from hitjoints.planning.candidates import Candidate
 from hitjoints.planning.joint_plan import plan_joint
-from hitjoints.planning.objectives.hit_problem import OBJECTIVES, Hit
+from hitjoints.planning.objectives.registry import objective_named
+from hitjoints.planning.plan_record import Plan
+from hitjoints.planning.request import Request
 from hitjoints.planning.room.surroundings import Surroundings
 from hitjoints.planning.start import Start, fastest_start, plan_start
-from hitjoints.planning.torque_cost import TorqueCost, torque_cost
+from hitjoints.planning.task import Task
+from hitjoints.planning.torque_cost import torque_cost
 from hitjoints.vectors import points, unit
 
 if TYPE_CHECKING:
@@ -35,146 +35,6 @@ if TYPE_CHECKING:
     from hitjoints.model.robot import Robot
 
     Array = NDArray[np.float64]
-
-RANKED_BY = {
-    "inertia": "inertia",
-    "flux": "flux",
-    "straight-flux": "straight_flux",
-    "rebound": "inertia",
-}
-"""The quantity that tells which joint is best: least rebound for a given flux is most inertia."""
-
-
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """The answer: one candidate per joint, and the best of them.
-
-    Attributes:
-        robot: name.
-        hit: that was asked for, with how it was planned.
-        best: None if no joint can do it.
-        candidates: in the order of the joints asked for.
-        digest: of the robot: whatever has the same gives the same numbers.
-        made_with: versions of hitjoints and of what its numbers depend on.
-        start: of the best hit, if it was asked for.
-        torque_costs: of every candidate that can do it, if torque limits were asked for.
-    """
-
-    robot: str
-    hit: Wish
-    best: Candidate | None
-    candidates: tuple[Candidate, ...]
-    digest: str
-    made_with: str
-    start: Start | None = None
-    torque_costs: tuple[TorqueCost, ...] = ()
-
-    @property
-    def position(self) -> Array:
-        """Where the object is, (3,) m."""
-        return self.hit.position
-
-    @property
-    def direction(self) -> Array:
-        """The hitting direction, (3,) unit."""
-        return self.hit.direction
-
-    @property
-    def mass(self) -> float:
-        """Of the object, kg."""
-        return self.hit.mass
-
-    @property
-    def objective(self) -> str:
-        """What is best."""
-        return self.hit.setting.objective
-
-    @property
-    def flux(self) -> float | None:
-        """The flux demanded, m/s, if any."""
-        return self.hit.flux
-
-    @property
-    def summary(self) -> str:
-        """The paper's question answered in one line, the joints that can do it first."""
-        parts = [
-            f"joint {one.joint}: {one.inertia:.1f} kg, {one.speed:.2f} m/s"
-            if one.feasible
-            else f"joint {one.joint}: infeasible here because {one.reason}"
-            for one in sorted(self.candidates, key=lambda one: not one.feasible)
-        ]
-        return "; ".join(parts)
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the answer as JSON knows it."""
-        return {
-            "robot": self.robot,
-            "digest": self.digest,
-            "made_with": self.made_with,
-            "hit": self.hit.as_dict(),
-            "position": plain(self.position),
-            "direction": plain(self.direction),
-            "mass": self.mass,
-            "objective": self.objective,
-            "flux": self.flux,
-            "feasible": self.best is not None,
-            "summary": self.summary,
-            "best": None if self.best is None else self.best.as_dict(),
-            "candidates": [one.as_dict() for one in self.candidates],
-            "start": None if self.start is None else self.start.as_dict(),
-            "torque_costs": [one.as_dict() for one in self.torque_costs],
-        }
-
-    def save(self, path: str | Path) -> None:
-        """Write a file that `load_plan` reads, with paths relative to it.
-
-        Raises:
-            InputError: it cannot be written.
-        """
-        path = Path(path)
-        told = self.as_dict() | {"hit": self.hit.seen_from(path.parent).as_dict()}
-        text = json.dumps(told, allow_nan=False, indent=1) + "\n"
-        write_whole(path, "out", lambda made: made.write_text(text, encoding="utf-8"))
-
-    def load_robot(self) -> Robot:
-        """Load the arm it was made for.
-
-        Raises:
-            InputError: the plan does not know where it is from, or it has changed since.
-        """
-        choice = self.hit.setting.robot
-        if choice is None:
-            raise InputError("robot", self.robot, "the plan does not say how to load it")
-        return self.check_robot(choice.load())
-
-    def check_robot(self, robot: Robot) -> Robot:
-        """Return a robot that is the one the plan was made for.
-
-        Raises:
-            InputError: it is another.
-        """
-        if robot.digest != self.digest:
-            same = "what was" if robot.name == self.robot else "the robot"
-            expected = f"the plan is made for {self.robot}, and this is not {same} it was made for"
-            raise InputError("robot", robot.name, expected)
-        return robot
-
-    @property
-    def chosen_hit(self) -> Wish:
-        """The hit with what is best to hit with.
-
-        Raises:
-            InfeasibleError: no joint can do it.
-        """
-        if self.best is None:
-            raise InfeasibleError(f"the plan says no: {self.summary}")
-        return self.hit.with_contact(Contact(self.best.joint, self.best.offset))
-
-    def __eq__(self, other: object) -> bool:
-        """Tell whether two plans say the same."""
-        return isinstance(other, Plan) and self.as_dict() == other.as_dict()
-
-    __hash__ = None  # type: ignore[assignment]
 
 
 @singledispatch
@@ -194,6 +54,7 @@ def plan(
     start: bool = False,
     hints: Mapping[int, ArrayLike] | None = None,
     torque_limits: bool = False,
+    deliverable: bool = False,
 ) -> Plan:
     """Choose the joint and the configuration for a hit.
 
@@ -204,9 +65,12 @@ def plan(
         mass: of the object, kg.
         joints: hitting joints (or contacts); the robot's own when not given.
         objective: "inertia" (Eq. 14), "flux" (Eq. 10 with the speed of Eq. 9), "straight-flux"
-            (the same for motion exactly along the direction), or "rebound" (the least Eq. 11
+            (the same for motion exactly along the direction), "deliverable" (the same for a motion
+            that comes from rest and stops within the arm's limits), or "rebound" (the least Eq. 11
             among the configurations that can reach `flux`: the greatest inertia among them).
         flux: m/s that the hit must be able to reach (Eq. 10); "rebound" needs one.
+        deliverable: `flux` has to be deliverable in the sense above; the arm's acceleration limits
+            have to be known.
         away: demand h . (chi_{k+1} - chi_k) < 0 (Eq. 14), by a margin of 1e-6 m.
         seed: of the samples; the optimum does not depend on it.
         certificate: bound every candidate's inertia over the joints beyond the contact, and
@@ -224,13 +88,12 @@ def plan(
         A candidate per joint, feasible or with the reason why not, and the best.
 
     Raises:
-        InputError: an argument cannot be used.
+        InputError: an argument cannot be used, or acceleration limits are needed and not known.
         SolverError: a configuration found failed the final check.
     """
-    if objective not in OBJECTIVES:
-        raise UnknownNameError("objective", objective, OBJECTIVES)
-    if objective == "rebound" and flux is None:
-        raise InputError("flux", flux, "rebound needs the flux to be reached (m/s)")
+    wanted = objective_named(objective)
+    if wanted.needs_flux and flux is None:
+        raise InputError("flux", flux, f"{objective} needs the flux to be reached (m/s)")
     if flux is not None:
         check_flux(flux)
     if not (math.isfinite(mass) and mass > 0):
@@ -242,48 +105,69 @@ def plan(
     for name, vector in (("position", target), ("direction", h)):
         if vector.shape != (3,):
             raise InputError(name, f"shape {vector.shape}", "three numbers x,y,z")
-    hits = [Hit(robot, contact, h, float(mass), target, away) for contact in contacts]
+    tasks = [Task(robot, Hit(c, target, h, float(mass)), target, away) for c in contacts]
+    request = Request(wanted, flux, deliverable and flux is not None, seed, certificate)
+    if wanted.stopping or request.deliverable:
+        drive_limits(robot)  # are they known?
     found = []
-    for hit in hits:
-        demands = _demands(hit, accept, surroundings)
-        near = None if hints is None else hints.get(hit.contact.joint)
+    for task in tasks:
+        near = None if hints is None else hints.get(task.contact.joint)
         near = None if near is None else np.atleast_2d(robot.configuration(near, "hints"))
-        one = plan_joint(hit, objective, flux, seed, certificate, demands, near)
+        demands = _demands(task, accept, surroundings)
+        one = plan_joint(task, replace(request, accept=demands, hints=near))
         if one.q is not None and surroundings is not None:
-            one = replace(one, clearance=surroundings.report(robot, one.q, hit.contact, h))
-        found.append(replace(one, offset=hit.contact.offset))
-    best, candidates = _compare(found, RANKED_BY[objective])
+            one = replace(one, clearance=surroundings.report(robot, one.q, task.contact, h))
+        found.append(replace(one, offset=task.contact.offset))
+    best, candidates = _compare(found, wanted.ranked_by)
     begin = None
     if start and best is not None:
-        chosen = next(hit for hit in hits if hit.contact.joint == best.joint)
+        chosen = next(task for task in tasks if _is_of(task, best))
         begin = _start(chosen, best, flux, torque_limits)
     costs = tuple(
-        torque_cost(robot, one.q, hit.contact, h, mass)
-        for one, hit in zip(candidates, hits, strict=True)
+        torque_cost(robot, one.q, task.contact, h, mass)
+        for one, task in zip(candidates, tasks, strict=True)
         if torque_limits and one.q is not None
     )
-    around = Surroundings() if surroundings is None else surroundings
-    alone, offsets = len(contacts) == 1, {contact.offset for contact in contacts}
-    setting = HitSetting(
+    alone = contacts[0] if len(contacts) == 1 else None
+    named = None if joints is None or alone is not None else contacts
+    setting = _setting(robot, named, surroundings or Surroundings())
+    setting = replace(
+        setting,
+        objective=objective,
+        deliverable=request.deliverable if flux is not None else None,
+        away=away,
+        torque_limits=torque_limits,
+        seed=seed,
+    )
+    return Plan(
+        robot.name,
+        Hit(alone, target, h, float(mass), flux, setting=setting),
+        best,
+        candidates,
+        robot.digest,
+        str(origin(robot)["source"]),
+        begin,
+        costs,
+        request.deliverable,
+    )
+
+
+def _setting(robot: Robot, contacts: Sequence[Contact] | None, around: Surroundings) -> HitSetting:
+    """Return what a hit keeps of the arm, of several contacts, and of the surroundings."""
+    offsets = {contact.offset for contact in contacts or ()}
+    return HitSetting(
         RobotChoice(robot.name) if robot.name in robot_names() else None,
-        None if alone else tuple(contact.joint for contact in contacts),
-        next(iter(offsets)) if len(offsets) == 1 and not alone else (0.0, 0.0, 0.0),
+        None if contacts is None else tuple(contact.joint for contact in contacts),
+        next(iter(offsets)) if len(offsets) == 1 else None,
         around.object_size,
         around.table_height,
         around.margin,
-        objective,
-        away,
-        torque_limits,
-        seed,
     )
-    wish = Wish(contacts[0] if alone else None, target, h, float(mass), flux, setting=setting)
-    made_with = str(origin(robot)["source"])
-    return Plan(robot.name, wish, best, candidates, robot.digest, made_with, begin, costs)
 
 
-@plan.register(Wish)
+@plan.register(Hit)
 def plan_hit(  # type: ignore[misc]  # its first argument is another than that of plan
-    hit: Wish, robot: Robot | None = None, certificate: bool = True
+    hit: Hit, robot: Robot | None = None, certificate: bool = True
 ) -> Plan:
     """Choose the joint and the configuration for a hit that says all the rest itself.
 
@@ -297,6 +181,7 @@ def plan_hit(  # type: ignore[misc]  # its first argument is another than that o
         if setting.robot is None:
             raise InputError("robot", None, "the hit does not say with which arm")
         robot = setting.robot.load()
+    asked = setting.deliverable
     planned: Plan = plan(
         robot,
         hit.position,
@@ -311,35 +196,36 @@ def plan_hit(  # type: ignore[misc]  # its first argument is another than that o
         surroundings=Surroundings.of(hit),
         start=True,
         torque_limits=setting.torque_limits,
+        deliverable=robot.acceleration is not None if asked is None else asked,
     )
     return replace(planned, hit=hit)
 
 
 def _demands(
-    hit: Hit, accept: Callable[[Array], bool] | None, surroundings: Surroundings | None
+    task: Task, accept: Callable[[Array], bool] | None, surroundings: Surroundings | None
 ) -> Callable[[Array], bool] | None:
     """Return what a configuration must satisfy beyond the planning problem, if anything."""
     if surroundings is None or surroundings.margin is None:
         return accept
 
     def both(q: Array) -> bool:
-        room = surroundings.leave_room(hit.robot, q, hit.contact, hit.direction)
+        room = surroundings.leave_room(task.robot, q, task.contact, task.direction)
         return room and (accept is None or accept(q))
 
     return both
 
 
-def _start(hit: Hit, best: Candidate, flux: float | None, torque_limits: bool) -> Start:
+def _start(task: Task, best: Candidate, flux: float | None, torque_limits: bool) -> Start:
     """Return the start of the best hit."""
     assert best.q is not None
     assert best.inertia is not None
     if flux is None:
         return fastest_start(
-            hit.robot, best.q, hit.contact, hit.direction, torque_limits=torque_limits
+            task.robot, best.q, task.contact, task.direction, torque_limits=torque_limits
         )
-    speed = required_speed(best.inertia, hit.mass, flux)
+    speed = required_speed(best.inertia, task.mass, flux)
     return plan_start(
-        hit.robot, best.q, hit.contact, hit.direction, speed, torque_limits=torque_limits
+        task.robot, best.q, task.contact, task.direction, speed, torque_limits=torque_limits
     )
 
 
@@ -366,3 +252,7 @@ def _compare(
             said.append(one)
         best = said[-1] if one is winner else best
     return best, tuple(said)
+
+
+def _is_of(task: Task, one: Candidate) -> bool:
+    return (task.contact.joint, task.contact.offset) == (one.joint, one.offset)

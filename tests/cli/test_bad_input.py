@@ -102,7 +102,7 @@ def test_wrong_usage(run, arguments):
 
 @pytest.mark.parametrize(
     ("text", "reason"),
-    [("<robot", "not well-formed XML"), ("<sdf/>", "not a URDF"), (FLOATING, "base floats")],
+    [("<robot", "not well-formed XML"), ("<sdf/>", "it is an SDF"), (FLOATING, "base floats")],
 )
 def test_robot_files(run, tmp_path, text, reason):
     path = tmp_path / "arm.urdf"

@@ -131,7 +131,8 @@ def as_mjcf(robot):
             f'<inertial pos="{words(body.lever)}" mass="{body.mass!r}" '
             f'fullinertia="{words(full)}"/>'
             f'<joint name="{name}" axis="{words(axes[i])}" range="-2 2" '
-            f'type="{"slide" if prismatic[i] else "hinge"}" armature="{float(model.armature[i])!r}"/>'
+            f'type="{"slide" if prismatic[i] else "hinge"}" '
+            f'armature="{float(model.armature[i])!r}"/>'
         )
         ends += "</body>"
     return (

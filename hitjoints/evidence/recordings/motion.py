@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hitjoints.built import kernel_for
 from hitjoints.evidence.recordings.alignment import Lag, find_lag, refuse_another_robot
 from hitjoints.evidence.recordings.csv_table import RecordingError
-from hitjoints.quantities import kernel_for
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -155,6 +155,9 @@ def scene_of(robot: Robot) -> Scene:
 @lru_cache(maxsize=16)
 def _shapes(robot: Robot) -> tuple[Any, int]:
     """Return the convex collision shapes with their pairs, and the last link of constant height."""
+    if robot.tool is not None and robot.tool.radius is None:
+        reason = "its tool has no radius, so the room it needs is not known"
+        raise ModelError(robot.name, reason)
     shapes = pin.GeometryModel(robot.collision_model)
     if not shapes.ngeoms:
         raise ModelError(robot.name, "it has no collision shapes, so distances cannot be told")
