@@ -35,7 +35,7 @@ def inspect(
     from hitjoints.errors import InfeasibleError
 
     impact.check()
-    asked = hit.read()
+    asked = hit.read(restitution=impact.restitution)
     arm = robot.load()
     contact = asked.contact(arm)
     configuration = _configuration(arm, contact, hit, asked, q)

@@ -10,7 +10,8 @@ import typer
 
 from .complaints import complain
 from .hit_options import HitOptions
-from .option_groups import OptionGroup
+from .impact_options import ImpactOptions
+from .option_groups import OptionGroup, without
 from .options import (
     JsonOption,
     PlotOption,
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from hitjoints.model.robot import Robot
-    from hitjoints.planning.candidates import Candidate
+    from hitjoints.planning.candidates import Candidate, Verdict
     from hitjoints.planning.plan_record import Plan
     from hitjoints.planning.start import Start
     from hitjoints.planning.torque_cost import TorqueCost
@@ -144,21 +145,26 @@ class PlanOutputs(OptionGroup):
 
 def plan(
     robot: RobotOptions,
-    hit: HitOptions,
+    hit: Annotated[HitOptions, without("restitution")],
     aim: AimOptions,
     room: RoomOptions,
+    impact: ImpactOptions,
     output: PlanOutputs,
 ) -> None:
-    """Choose the joint to hit with and its configuration, with evidence (Eq. 8, 14)."""
+    """Choose the joint to hit with and its configuration, with evidence (Eq. 8, 14).
+
+    With --impact by the inertia that a real arm shows: rotor is planned for exactly; by composite
+    and elastic each joint's best configuration of the links alone is ranked again.
+    """
     from hitjoints.planning.planner import plan_hit
     from hitjoints.planning.room.surroundings import Surroundings
 
-    asked = hit.read()
+    asked = hit.read(restitution=impact.restitution)
     check_outputs(output.plot, (output.out, "out", (".json",)), inputs=[robot.robot, hit.file])
     arm = robot.load()
     setting = aim.setting() | room.setting() | {"deliverable": aim.deliverable(arm)}
     wanted = asked.hit(arm, robot=robot.choice, **setting)
-    planned = plan_hit(wanted, arm, aim.certificate)
+    planned = plan_hit(wanted, arm, aim.certificate, impact.drives())
     result = planned.as_dict() | {"robot": robot.robot}
     plot = None if planned.best is None else output.plot
     if output.out is not None:
@@ -185,6 +191,8 @@ def _print(title: str, planned: Plan) -> None:
     flux = "" if planned.flux is None else f" for a flux of {planned.flux:g} m/s"
     if planned.deliverable:
         flux = f" for a deliverable flux of {planned.flux:g} m/s"
+    if planned.impact != "rigid":
+        flux += f", inertia by the model {planned.impact}"
     print_table(
         f"{title}: hit {planned.mass:g} kg at ({at}) m along ({along}), {planned.objective}{flux}",
         (
@@ -253,7 +261,7 @@ def _share(one: TorqueCost) -> str | None:
     return f"{100 * (1 - one.flux_with / one.flux_without):.1f} %"
 
 
-def _row(one: Candidate, best: bool) -> list[object]:
+def _row(one: Verdict, best: bool) -> list[object]:
     from hitjoints.planning.words import at_most
 
     name = f"joint {one.joint}"
@@ -266,4 +274,4 @@ def _row(one: Candidate, best: bool) -> list[object]:
     verdict = f"best: {one.reason}" if best else one.reason
     numbers = (one.inertia, one.speed, one.straight_speed, one.flux, one.straight_flux)
     known = "" if one.deliverable_flux is None else at_most(one.deliverable_flux)
-    return [name, *(at_most(float(value or 0.0)) for value in numbers), known, sure, verdict]
+    return [name, *(at_most(value) for value in numbers), known, sure, verdict]

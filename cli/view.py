@@ -51,6 +51,8 @@ def view(
     arm = robot.load()
     wanted = asked.flux_hit(arm)
     contact, at_hit = wanted.chosen_contact, start.arguments(planned, wanted, arm)["q_hit"]
+    for link, reason in arm.shape_faults[:1]:
+        complain("warning", f"drawn with bars: a collision shape of {link}: {reason}")
     viewer = show(
         arm,
         at_hit if q is None else numbers(q),

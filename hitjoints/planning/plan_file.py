@@ -8,17 +8,19 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
-from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError, field_validator
 
 from hitjoints.errors import InputError, shown
 from hitjoints.hit_file import Table
 from hitjoints.hit_loading import hit_of
-from hitjoints.planning.candidates import Candidate
+from hitjoints.planning.candidates import Candidate, Refusal, Verdict
 from hitjoints.planning.plan_record import Plan
 from hitjoints.planning.start import Start
 from hitjoints.planning.torque_cost import TorqueCost
 
 LARGEST = 2**26  # bytes
+NEEDED = ("q", "inertia", "speed", "straight_speed", "flux", "straight_flux", "away", "away_gap")
+"""Of a candidate that can do it."""
 T = TypeVar("T")
 Row = list[float]
 
@@ -42,6 +44,7 @@ class CandidateTable(Table):
     away: bool | None
     away_gap: float | None
     clearance: dict[str, Any] | None
+    links_inertia: float | None
     evidence: dict[str, Any]
 
 
@@ -53,6 +56,14 @@ class StartTable(Table):
     speed: float
     run_up: float
     path: list[Row]
+
+    @field_validator("path")
+    @classmethod
+    def _even(cls, path: list[Row]) -> list[Row]:
+        if len({len(row) for row in path}) > 1:
+            raise ValueError("rows of one length are needed")
+        return path
+
     times: Row
     lateral_miss: float
     velocity_ratio_max: float
@@ -79,6 +90,7 @@ class PlanTables(Table):
     made_with: str
     robot: str
     flux_by: str | None
+    impact: str
     best: CandidateTable | None
     candidates: list[CandidateTable] = Field(min_length=1)
     start: StartTable | None
@@ -97,16 +109,18 @@ def load_plan(path: str | Path) -> Plan:
     path = Path(path)
     said = _read(path)
     hit = hit_of(said.hit, path)
-    candidates = tuple(_made(Candidate, table) for table in said.candidates)
-    best = None
+    candidates = tuple(_verdict(path, table) for table in said.candidates)
+    best: Candidate | None = None
     if said.best is not None:
-        if said.best not in said.candidates or not said.best.feasible or said.best.q is None:
+        place = said.candidates.index(said.best) if said.best in said.candidates else 0
+        chosen = candidates[place]
+        if said.best != said.candidates[place] or not isinstance(chosen, Candidate):
             raise InputError("plan", path, "it is not a plan (best is no candidate that can do it)")
-        best = candidates[said.candidates.index(said.best)]
+        best = chosen
     start = None if said.start is None else _made(Start, said.start)
     costs = tuple(_made(TorqueCost, table) for table in said.torque_costs)
     told = said.robot, hit, best, candidates, said.digest, said.made_with, start, costs
-    return Plan(*told, deliverable=said.flux_by == "deliverable")
+    return Plan(*told, deliverable=said.flux_by == "deliverable", impact=said.impact)
 
 
 def _read(path: Path) -> PlanTables:
@@ -131,6 +145,18 @@ def _read(path: Path) -> PlanTables:
         raise InputError("plan", path, f"it is not a plan ({error})") from None
 
 
+def _verdict(path: Path, table: CandidateTable) -> Verdict:
+    if not table.feasible:
+        return _made(Refusal, table)
+    missing = [name for name in NEEDED if getattr(table, name) is None]
+    if missing:
+        reason = (
+            f"it is not a plan (joint {table.joint} can do it, and its {missing[0]} is missing)"
+        )
+        raise InputError("plan", path, reason)
+    return _made(Candidate, table)
+
+
 def _made(kind: type[T], table: Table) -> T:
     """Return what a table tells, its lists of numbers as arrays."""
     values = table.model_dump()
@@ -140,4 +166,5 @@ def _made(kind: type[T], table: Table) -> T:
             values[name] = np.array(values[name], dtype=float)
     if "offset" in values:
         values["offset"] = tuple(values["offset"])
-    return kind(**{item.name: values[item.name] for item in fields(kind)})  # type: ignore[arg-type]
+    names = [item.name for item in fields(kind) if item.init]  # type: ignore[arg-type]
+    return kind(**{name: values[name] for name in names})

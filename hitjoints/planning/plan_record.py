@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from hitjoints.datasets.files import write_whole
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.model.robot import Contact
-from hitjoints.planning.candidates import Candidate, plain
+from hitjoints.planning.candidates import Candidate, Verdict, plain
 from hitjoints.planning.start import Start
 from hitjoints.planning.torque_cost import TorqueCost
 
@@ -38,17 +38,19 @@ class Plan:
         made_with: versions of hitjoints and of what its numbers depend on.
         start: of the best hit, if it was asked for.
         torque_costs: of every candidate that can do it, if torque limits were asked for.
+        impact: model of the arm's drives.
     """
 
     robot: str
     hit: Hit
     best: Candidate | None
-    candidates: tuple[Candidate, ...]
+    candidates: tuple[Verdict, ...]
     digest: str
     made_with: str
     start: Start | None = None
     torque_costs: tuple[TorqueCost, ...] = ()
     deliverable: bool = False
+    impact: str = "rigid"
 
     @property
     def position(self) -> Array:
@@ -101,6 +103,7 @@ class Plan:
             "direction": plain(self.direction),
             "mass": self.mass,
             "objective": self.objective,
+            "impact": self.impact,
             "flux": self.flux,
             "flux_by": None if self.flux is None else self._flux_by,
             "feasible": self.best is not None,

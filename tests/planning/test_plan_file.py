@@ -2,6 +2,7 @@
 
 import json
 import random
+import re
 
 import numpy as np
 import pytest
@@ -35,16 +36,23 @@ def test_a_plan_survives_its_file(planned, saved):
     assert again.chosen_hit.contact == hj.Contact(planned.best.joint, (0, 0.02, 0.05))
 
 
-def test_it_is_run_again_from_its_own_hit(planned, saved):
+def same_numbers(one, other):
+    """Tell whether two plans agree; solvers that were used before differ in the last digits."""
+    assert (one.joint, one.feasible, one.offset) == (other.joint, other.feasible, other.offset)
+    np.testing.assert_array_equal(one.q, other.q)
+    for name in ("inertia", "speed", "straight_speed", "flux", "deliverable_flux"):
+        assert getattr(one, name) == pytest.approx(getattr(other, name), rel=1e-12)
+
+
+def test_it_is_run_again_from_its_own_hit(planned, saved, arm):
     again = hj.plan(hj.load_plan(saved).hit, certificate=False)
-    assert again == planned
-
-
-def test_the_old_call_says_the_same(planned, arm):
     contacts = [hj.Contact(joint, (0, 0.02, 0.05)) for joint in (6, 7)]
     old = hj.plan(arm("iiwa14"), AT, ALONG, 2.0, contacts, flux=0.3, seed=4, certificate=False,
                   start=True, surroundings=hj.Surroundings(), deliverable=True)  # fmt: skip
-    assert [one.as_dict() for one in old.candidates] == [c.as_dict() for c in planned.candidates]
+    for other in (again, old):
+        for one, two in zip(planned.candidates, other.candidates, strict=True):
+            same_numbers(one, two)
+    assert again.hit == planned.hit
     assert old.hit.setting.joints == (6, 7)
 
 
@@ -60,8 +68,7 @@ def test_it_lies_where_it_likes(run, tmp_path, monkeypatch, urdf):
     outcome = run("rollout", "--plan", folder / "plan.json", "--json")
     assert outcome.code == 0, outcome.err
     assert outcome.json["impact"]["position"] == pytest.approx(AT, abs=2e-3)
-    (tmp_path / "arm.urdf").write_text(xml.replace('mass value="5"', 'mass value="4"', 1)
-                                       if 'mass value="5"' in xml else xml.replace("2.7", "2.8"))  # fmt: skip
+    (tmp_path / "arm.urdf").write_text(re.sub(r'mass value="[^"]*"', 'mass value="1.5"', xml))
     outcome = run("rollout", "--plan", folder / "plan.json")
     assert outcome.code == 1
     assert "not what was it was made for" in outcome.err
@@ -76,7 +83,8 @@ def test_the_plans_hit_is_what_is_made(run, saved, planned, command):
         assert found["hit"]["contact"]["offset"] == [0, 0.02, 0.05]
     else:
         assert found["flux"] == 0.3
-    assert found.get("impact", {"flux": 0.3})["flux"] == pytest.approx(0.3, rel=0.02)
+    if command == "rollout":
+        assert found["impact"]["flux"] == pytest.approx(0.3, rel=0.02)
 
 
 def test_view_shows_what_was_planned(run, saved, planned, tmp_path):
@@ -114,7 +122,7 @@ def test_a_plan_that_says_no(run, tmp_path):
 @pytest.mark.parametrize(
     ("key", "value", "words"),
     [
-        ("mass", "heavy", ["hit", "object.mass = 'heavy'"]),
+        ("mass", "heavy", ["object.mass = 'heavy'"]),
         ("q", [10**400] * 7, ["best.q"]),
         ("q", ["a"] * 7, ["best.q.0 = 'a'"]),
         ("hit", 5, ["hit = 5"]),
