@@ -25,7 +25,7 @@ class RobotOptions(OptionGroup):
 
     robot: Annotated[
         str,
-        typer.Option("--robot", metavar="NAME|FILE", help="Built-in name, or a URDF or TOML file."),
+        typer.Option("--robot", metavar="NAME|FILE", help="Name, or URDF, xacro, MJCF or TOML."),
     ] = ROBOT
     tip: Annotated[
         str | None,
@@ -43,7 +43,9 @@ class RobotOptions(OptionGroup):
     ] = None
     tool: Annotated[
         Path | None,
-        typer.Option("--tool", metavar="FILE", help="Tool on the flange: TOML, see own_arm."),
+        typer.Option(
+            "--tool", metavar="FILE", help="Tool on the flange: TOML of mass, com, inertia, tip."
+        ),
     ] = None
     package_dirs: Annotated[
         list[Path] | None,

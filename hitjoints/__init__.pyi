@@ -63,6 +63,7 @@ from .loading.load import (
 from .loading.load import (
     load_robot as load_robot,
 )
+from .maps.contact_time_sweep import sweep_contact_time as sweep_contact_time
 from .maps.joint_sweep import sweep_joint as sweep_joint
 from .maps.workspace import open_map as open_map
 from .maps.workspace import sweep_workspace as sweep_workspace
@@ -77,6 +78,7 @@ from .planning.learning.feasibility import (
 )
 from .planning.planner import plan as plan
 from .planning.posture import posture as posture
+from .planning.real_arm import Drives as Drives
 from .planning.room.clearance import clearance as clearance
 from .planning.room.surroundings import Surroundings as Surroundings
 from .planning.start import plan_start as plan_start

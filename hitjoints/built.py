@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import lru_cache
 from threading import Lock
 from typing import TYPE_CHECKING
+
+from hitjoints.errors import ModelError
 
 if TYPE_CHECKING:
     from hitjoints.kernels import Chain, Kernel
@@ -49,11 +53,23 @@ def _kernel(robot: Robot, contacts: tuple[Contact, ...], outputs: tuple[str, ...
     from hitjoints.kernels import build_kernel
 
     points = tuple((contact.joint, contact.offset) for contact in contacts)
-    return build_kernel(robot.model, contacts=points, outputs=outputs)
+    with _named(robot):
+        return build_kernel(robot.model, contacts=points, outputs=outputs)
 
 
 @lru_cache(maxsize=64)
 def _single(robot: Robot, contact: Contact, outputs: tuple[str, ...]) -> SingleKernel:
     from hitjoints.kernels.single import build_single
 
-    return build_single(robot.model, (contact.joint, contact.offset), outputs)
+    with _named(robot):
+        return build_single(robot.model, (contact.joint, contact.offset), outputs)
+
+
+@contextmanager
+def _named(robot: Robot) -> Iterator[None]:
+    """Say of which robot a model is refused, and that it has no mass if that is why."""
+    try:
+        yield
+    except ModelError as error:
+        robot.require_mass()
+        raise ModelError(robot.name, error.reason) from None

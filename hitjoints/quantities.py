@@ -167,6 +167,7 @@ def place_joint(
         rows=rows,
         threads=threads,
         chain=chain_of(robot),
+        data=robot.data,
     )
     return placed if start is not None else replace(placed, q=robot.nearest_turn(placed.q))
 

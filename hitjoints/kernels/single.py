@@ -12,9 +12,8 @@ from hitjoints.errors import InputError
 from hitjoints.kernels.formulas.chain import Chain, Triple
 from hitjoints.kernels.formulas.hit_formulas import HitFormulas
 from hitjoints.kernels.formulas.links import TracedArm, dot
-from hitjoints.kernels.formulas.mass_matrix import Factor, mass_matrix
 from hitjoints.kernels.formulas.speeds import product
-from hitjoints.kernels.outputs import LIMITS, OUTPUTS, known_outputs
+from hitjoints.kernels.outputs import LIMITS, OUTPUTS, factor_for, known_outputs
 from hitjoints.kernels.tape.scalar import ScalarProgram
 from hitjoints.kernels.tape.trace import Scalar, Tape, Tracer, absolute, square_root, where_less
 from hitjoints.kernels.verify import check, samples
@@ -49,7 +48,7 @@ def record_single(chain: Chain, contact: tuple[int, Triple], outputs: Sequence[s
     scale = 1.0 / square_root(square)
     arm = TracedArm(chain, q)
     hit = HitFormulas(
-        arm, Factor(mass_matrix(arm)), contact, (scale * x, scale * y, scale * z), mass
+        arm, factor_for(wanted, arm), contact, (scale * x, scale * y, scale * z), mass
     )
     total: Scalar = 0.0
     for value in (*q, mass):

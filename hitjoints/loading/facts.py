@@ -114,7 +114,7 @@ def per_joint(facts: Facts, key: str, default: NDArray[np.float64], name: str) -
     except InputError:
         values = np.empty(0)
     if values.shape != np.shape(default) or not np.isfinite(values).all():
-        raise ModelError(name, f"{key} = {shown(facts[key])} {wanted}")
+        raise ModelError(name, f"{key} = {shown(facts.get(key, default))} {wanted}")
     return values
 
 

@@ -192,6 +192,7 @@ def _model(arm: Arm, name: str) -> Any:
     if tuple(model.names)[1:] != arm.joints or model.nq != model.nv:
         raise ModelError(name, f"Pinocchio reads joints {list(model.names)[1:]}, not {arm.joints}")
     compare_model(model, arm, name)
+    model.name = name  # what messages from below call it
     for joint in arm.continuous:
         index = model.joints[model.getJointId(joint)].idx_q
         model.lowerPositionLimit[index] = -np.inf

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 FARTHEST = 100.0
 """m from a joint to a point of its link; of what lies farther, rounding is what remains."""
+NO_MASS = "no link has mass, so there are no inertias, only kinematics"
 COINCIDE = 1e-3  # m; origins that are nearer than this to each other are one
 
 
@@ -140,6 +141,15 @@ class Robot:
     def has_mass(self) -> bool:
         """Whether any moving link weighs anything; without, only kinematics are known."""
         return any(body.mass > 0 for body in list(self.model.inertias)[1:])
+
+    def require_mass(self) -> None:
+        """Refuse what inertias are needed for.
+
+        Raises:
+            ModelError: no link has mass.
+        """
+        if not self.has_mass:
+            raise ModelError(self.name, NO_MASS)
 
     @property
     def joint_names(self) -> list[str]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from hitjoints.dynamics.kinematics import position
 from hitjoints.kernels.ik import TOLERANCE
-from hitjoints.planning.candidates import Candidate, evidence_of, measure
+from hitjoints.planning.candidates import Candidate, Refusal, Verdict, evidence_of, measure
 from hitjoints.planning.objectives.farthest_away import FarthestAway
 from hitjoints.planning.objectives.freedom import blind_slack
 from hitjoints.planning.objectives.hit_problem import FLUX_MARGIN, HitProblem
@@ -39,7 +39,7 @@ MOST_ASKED = 2000
 """Configurations shown to `accept` per joint before giving up."""
 
 
-def plan_joint(task: Task, request: Request) -> Candidate:
+def plan_joint(task: Task, request: Request) -> Verdict:
     """Return the best configuration for a task, with evidence, or the reason why there is none.
 
     Raises:
@@ -72,13 +72,13 @@ def plan_joint(task: Task, request: Request) -> Candidate:
             f"none of the {min(MOST_ASKED, len(found.x) + len(found.screened))} best "
             f"configurations of joint {task.contact.joint} is accepted"
         )
-        return Candidate(task.contact.joint, False, reason, evidence=evidence_of(found))
+        return Refusal(task.contact.joint, reason, evidence=evidence_of(found))
     if problem.room is None:  # else the turn tells how much room there is to stop
         q = task.robot.nearest_turn(q)
     evidence = evidence_of(found)
     if request.certificate and request.accept is None:
         evidence["certificate"] = certify(near, q).as_dict()
-    return Candidate(task.contact.joint, True, "", **measure(task, q), evidence=evidence)
+    return Candidate(task.contact.joint, "", **measure(task, q), evidence=evidence)
 
 
 def _within_reach(task: Task, probe: Placement) -> Task:
@@ -102,7 +102,7 @@ def _admissible(problem: HitProblem, hints: Array | None) -> list[Array]:
 
 def _search_with_flux(
     task: Task, problem: HitProblem, sampler: Sampler, seed: int
-) -> tuple[Found, Candidate | None]:
+) -> tuple[Found, Refusal | None]:
     """Search where a flux is reached, from where most is: random samples seldom reach it."""
     assert problem.flux is not None
     greatest = MostDeliverable() if problem.deliverable else MostFlux()
@@ -122,7 +122,7 @@ def _search_with_flux(
 
 def _second_try(
     problem: HitProblem, sampler: Sampler, placed: Array, request: Request
-) -> tuple[Found, Candidate | None]:
+) -> tuple[Found, Refusal | None]:
     """Look for what stands in the way of a search that found nothing.
 
     Returns:

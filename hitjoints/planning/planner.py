@@ -13,9 +13,10 @@ from hitjoints.errors import InputError
 from hitjoints.hit import Hit, check_flux
 from hitjoints.hitting.drive_limits import drive_limits
 from hitjoints.impact.collision import required_speed
-from hitjoints.planning.candidates import Candidate, plain
+from hitjoints.planning.candidates import Candidate, Verdict, plain
 from hitjoints.planning.joint_plan import plan_joint
 from hitjoints.planning.objectives.registry import objective_named
+from hitjoints.planning.real_arm import Drives
 from hitjoints.planning.request import Request
 from hitjoints.planning.room.surroundings import Surroundings
 from hitjoints.planning.start import Start, fastest_start, plan_start
@@ -44,6 +45,7 @@ class Plan:
         candidates: in the order of the joints asked for.
         start: of the best hit, if it was asked for.
         torque_costs: of every candidate that can do it, if torque limits were asked for.
+        impact: model of the arm's drives.
     """
 
     robot: str
@@ -53,10 +55,11 @@ class Plan:
     objective: str
     flux: float | None
     best: Candidate | None
-    candidates: tuple[Candidate, ...]
+    candidates: tuple[Verdict, ...]
     start: Start | None = None
     torque_costs: tuple[TorqueCost, ...] = ()
     deliverable: bool = False
+    impact: str = "rigid"
 
     @property
     def summary(self) -> str:
@@ -81,6 +84,7 @@ class Plan:
             "direction": plain(self.direction),
             "mass": self.mass,
             "objective": self.objective,
+            "impact": self.impact,
             "required_flux": self.flux,
             "flux_by": None if self.flux is None else self._flux_by,
             "feasible": self.best is not None,
@@ -109,6 +113,7 @@ def plan(
     hints: Mapping[int, ArrayLike] | None = None,
     torque_limits: bool = False,
     deliverable: bool = False,
+    drives: Drives | None = None,
 ) -> Plan:
     """Choose the joint and the configuration for a hit.
 
@@ -135,6 +140,9 @@ def plan(
         hints: configurations (M, n) rad by joint to search from as well, with the contact at the
             object, such as `Feasibility.propose` gives; not used when there is a `flux`.
         start: plan the start of the best hit too: for `flux`, or the fastest there is.
+        drives: model of the arm's drives: the inertia, and what follows from it, is then what the
+            arm shows in a hit. "rotor" is exact; by "composite" and "elastic" each joint's best
+            configuration of the links alone is ranked again.
         torque_limits: the start is one from rest, with the way that the motors need; and for every
             joint find what torque limits cost.
 
@@ -146,6 +154,8 @@ def plan(
         SolverError: a configuration found failed the final check.
     """
     wanted = objective_named(objective)
+    drives = drives or Drives()
+    robot = drives.arm(robot)
     if wanted.needs_flux and flux is None:
         raise InputError("flux", flux, f"{objective} needs the flux to be reached (m/s)")
     if flux is not None:
@@ -159,7 +169,8 @@ def plan(
     for name, vector in (("position", target), ("direction", h)):
         if vector.shape != (3,):
             raise InputError(name, f"shape {vector.shape}", "three numbers x,y,z")
-    tasks = [Task(robot, Hit(c, target, h, float(mass)), target, away) for c in contacts]
+    along = np.asarray(direction, dtype=float)  # normalised once, by the hit
+    tasks = [Task(robot, Hit(c, target, along, mass), target, away) for c in contacts]
     request = Request(wanted, flux, deliverable and flux is not None, seed, certificate)
     if wanted.stopping or request.deliverable:
         drive_limits(robot)  # are they known?
@@ -171,6 +182,8 @@ def plan(
         one = plan_joint(task, replace(request, accept=demands, hints=near))
         if one.q is not None and surroundings is not None:
             one = replace(one, clearance=surroundings.report(robot, one.q, task.contact, h))
+        if one.feasible and drives.ranks_again:
+            one = drives.shown(task, one)
         found.append(replace(one, offset=task.contact.offset))
     best, candidates = _compare(found, wanted.ranked_by)
     begin = None
@@ -194,6 +207,7 @@ def plan(
         begin,
         costs,
         request.deliverable,
+        drives.model,
     )
 
 
@@ -213,8 +227,6 @@ def _demands(
 
 def _start(task: Task, best: Candidate, flux: float | None, torque_limits: bool) -> Start:
     """Return the start of the best hit."""
-    assert best.q is not None
-    assert best.inertia is not None
     if flux is None:
         return fastest_start(
             task.robot, best.q, task.contact, task.direction, torque_limits=torque_limits
@@ -226,8 +238,8 @@ def _start(task: Task, best: Candidate, flux: float | None, torque_limits: bool)
 
 
 def _compare(
-    found: Sequence[Candidate], quantity: str
-) -> tuple[Candidate | None, tuple[Candidate, ...]]:
+    found: Sequence[Verdict], quantity: str
+) -> tuple[Candidate | None, tuple[Verdict, ...]]:
     """Return the best candidate, and all with the reason why they are not it."""
     able = [one for one in found if one.feasible]
     if not able:
@@ -235,20 +247,19 @@ def _compare(
     winner = max(able, key=lambda one: float(getattr(one, quantity)))
     most = float(getattr(winner, quantity))
     word = quantity.replace("_", " ")
-    best: Candidate | None = None
-    said = []
+    praise = f"the most {word}" if len(found) > 1 else "the only joint asked for"
+    best = replace(winner, reason=praise)
+    said: list[Verdict] = []
     for one in found:
-        if one.feasible:
-            less = 100 * (1.0 - float(getattr(one, quantity)) / most)
-            reason = f"{less:.2g} % less {word} than joint {winner.joint}"
-            if one is winner:
-                reason = f"the most {word}" if len(found) > 1 else "the only joint asked for"
-            said.append(replace(one, reason=reason))
+        if one is winner:
+            said.append(best)
+        elif one.feasible:
+            less = 100 * (1.0 - float(getattr(one, quantity)) / most) if most > 0 else 0.0
+            said.append(replace(one, reason=f"{less:.2g} % less {word} than joint {winner.joint}"))
         else:
             said.append(one)
-        best = said[-1] if one is winner else best
     return best, tuple(said)
 
 
-def _is_of(task: Task, one: Candidate) -> bool:
+def _is_of(task: Task, one: Verdict) -> bool:
     return (task.contact.joint, task.contact.offset) == (one.joint, one.offset)

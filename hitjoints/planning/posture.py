@@ -20,7 +20,6 @@ from hitjoints.planning.proof.certificate import certify
 from hitjoints.planning.search.groups import search
 from hitjoints.planning.search.sampler import Sampler
 from hitjoints.planning.task import Task
-from hitjoints.vectors import unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -82,10 +81,10 @@ def posture(
             direction.
     """
     contact = Contact(robot.contact(joint).joint)
-    given, h = robot.within_limits(q), unit(direction)
+    given = robot.within_limits(q)
     moving = np.arange(robot.n) >= contact.joint - 1
     lower, upper = np.where(moving, robot.lower, given), np.where(moving, robot.upper, given)
-    hit = Hit(contact, position(robot, given, contact), h, 1.0)
+    hit = Hit(contact, position(robot, given, contact), np.asarray(direction, float), 1.0)
     task = Task(robot, hit, None, away)
     problem = HitProblem(task, MostInertia(), lower=lower, upper=upper)
     sampler = Sampler(task, lower, upper)

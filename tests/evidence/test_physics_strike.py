@@ -9,13 +9,13 @@ import pytest
 
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InputError, SolverError
-from hitjoints.evidence.physics.engine import engine
 from hitjoints.evidence.physics.engine_scene import ImpactState, build_scene
 from hitjoints.evidence.physics.setting import Setting, setting
 from hitjoints.evidence.physics.simulation import simulate
 from hitjoints.evidence.physics.slide import slide
 from hitjoints.evidence.physics.strike import strike
 from hitjoints.hit import Hit
+from hitjoints.model.engine import engine
 from hitjoints.model.robot import Contact
 
 MASS = 2.0

@@ -201,6 +201,28 @@ def test_joints_that_an_arm_cannot_have(tmp_path, run, reason):
     assert reason in told.err
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('mass="2"', 'mass="nan"'),
+        ('mass="1"', 'mass="inf"'),
+        ('pos="0.02 0 0.01"', 'pos="0.02 nan 0.01"'),
+        ('range="-90 90"', 'range="-90 inf"'),
+        ('armature="0.2"', 'armature="nan"'),
+        ('forcerange="-30 20"', 'forcerange="-inf inf"'),
+        ('qpos="0.1 0.2', 'qpos="nan 0.2'),
+        ('qpos="0.1 0.2', 'qpos="9 0.2'),
+    ],
+)
+def test_numbers_that_are_none_are_told_in_a_line(tmp_path, monkeypatch, capfd, old, new):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(hj.ModelError) as error:
+        load_robot(ODD.replace(old, new))
+    assert "\n" not in str(error.value)
+    assert capfd.readouterr() == ("", "")
+    assert not list(tmp_path.iterdir())
+
+
 TEXTS = {
     "<sdf version='1.7'><model name='a'/></sdf>": "SDF, which hitjoints does not read",
     "<html><body/></html>": "the root element is <html>, not <robot>",

@@ -9,9 +9,9 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.dynamics.kinematics import jacobian
-from hitjoints.evidence.physics.engine import compiled, engine
 from hitjoints.evidence.physics.engine_arm import add_motors, arm_spec, link_name, quaternion
 from hitjoints.impact.restitution import contact_spring
+from hitjoints.model.engine import compiled, engine
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.errors import SolverError
-from hitjoints.evidence.physics.engine import compiled, engine
 from hitjoints.evidence.physics.engine_scene import add_box, add_table, set_options
+from hitjoints.model.engine import compiled, engine
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

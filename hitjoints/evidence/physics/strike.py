@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from hitjoints.errors import SolverError
-from hitjoints.evidence.physics.engine import engine
 from hitjoints.evidence.physics.engine_scene import ImpactState, build_scene
 from hitjoints.impact import spring_arm
+from hitjoints.model.engine import engine
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -159,7 +159,7 @@ class HitProblem:
         filled = np.zeros((len(x), len(slope), x.shape[1]))
         for i, part in enumerate(slope):
             filled[:, i, : part.shape[1]] = part
-        wide = np.zeros(x.shape)
-        wide[:, : gradient.shape[1]] = gradient
+        if gradient.shape[1] < x.shape[1]:  # an objective of q alone
+            gradient = np.hstack((gradient, np.zeros((len(x), x.shape[1] - gradient.shape[1]))))
         residuals = np.stack(residual, axis=1) if residual else np.zeros((len(x), 0))
-        return Values(value, wide, residuals, filled)
+        return Values(value, gradient, residuals, filled)

@@ -17,16 +17,12 @@ import numpy as np
 from hitjoints.kernels import Chain, Interval
 from hitjoints.kernels.formulas.hit_formulas import HitFormulas
 from hitjoints.kernels.formulas.links import TracedArm, dot, minus
-from hitjoints.kernels.formulas.mass_matrix import (
-    Factor,
-    mass_matrix,
-    mobility_gradient,
-    twice_kinetic_energy,
-)
+from hitjoints.kernels.formulas.mass_matrix import Factor, mass_matrix, variation
 from hitjoints.kernels.tape.interval_backend import IntervalProgram
 from hitjoints.kernels.tape.trace import Scalar, Tracer
 from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN
 from hitjoints.planning.objectives.sight import LEAST_MOBILITY
+from hitjoints.planning.proof.branching import branch
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,7 +34,7 @@ if TYPE_CHECKING:
 GAP = 0.01
 """The bound is tight enough when it exceeds the value found by no more than this share."""
 
-MOST_BOXES = 60_000
+MOST_BOXES = 120_000
 ROUNDING = 1e-9
 """Share by which bounds are widened for the constants, which are rounded when recorded."""
 
@@ -95,18 +91,20 @@ def certify(task: Task, q: Array, joints: tuple[int, ...] | None = None) -> Cert
     # A continuous joint is searched over one turn.
     low, high = (end[None, at] for end in robot.finite_limits)
     found = 1.0 / float(bound.at(q[None, at]).upper[0, 0])
-    upper, closed, visited = np.zeros(0), found, 0
-    while len(low) and visited < MOST_BOXES:
-        visited += len(low)
+    closed, left = found, 0.0
+
+    def look(low: Array, high: Array) -> tuple[Array, Array]:
+        nonlocal closed, left
         upper, admissible, reduction = bound(low, high)
         todo = admissible & (upper > (1.0 + GAP) * found)
-        done = admissible & ~todo
-        closed = max(closed, float(upper[done].max(initial=0.0)))
-        upper, low, high = upper[todo], low[todo], high[todo]
-        if not len(at):
-            break  # no joint to cut by: what rounding leaves open stays open
-        low, high = _cut(low, high, reduction[todo])
-    bounded = max(closed, float(upper.max(initial=0.0)) if len(low) else 0.0)
+        closed = max(closed, float(upper[admissible & ~todo].max(initial=0.0)))
+        left = float(upper[todo].max(initial=0.0))
+        if not len(at):  # no joint to cut by: what rounding leaves open stays open
+            return low[:0], high[:0]
+        return _cut(low[todo], high[todo], reduction[todo])
+
+    visited = branch(low, high, look, MOST_BOXES)
+    bounded = max(closed, left)
     return Certificate(
         found,
         bounded,
@@ -141,11 +139,8 @@ class _Bound:
             tracer.program([*formulas.mobility(), *formulas.factor.velocity(formulas.y)])
         )
         u: list[Scalar] = list(tracer.inputs[d:])
-        speed: Scalar = 0.0
-        for pull, rate in zip(formulas.g, u, strict=True):
-            speed = speed + pull * rate
-        gradient = mobility_gradient(arm, formulas.reaches, formulas.directions, u)
-        outputs = [2.0 * speed - twice_kinetic_energy(arm, u), *(gradient[i] for i in at)]
+        value, *gradient = variation(arm, formulas.reaches, formulas.directions, u)
+        outputs = [value, *(gradient[i] for i in at)]
         if task.away:
             ends = [
                 chain.attach(contact.joint, contact.offset)

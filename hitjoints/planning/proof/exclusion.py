@@ -16,6 +16,7 @@ from hitjoints.kernels.formulas.links import TracedArm, dot, minus
 from hitjoints.kernels.tape.interval_backend import IntervalProgram
 from hitjoints.kernels.tape.trace import Scalar, Tracer, Vector
 from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN
+from hitjoints.planning.proof.branching import branch
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -53,15 +54,20 @@ def exclude(task: Task, away: bool) -> Exclusion:
     m = bound.movers
     # A continuous joint is searched over one turn.
     low, high = (end[None, :m] for end in robot.finite_limits)
-    boxes = 0
-    while len(low) and boxes + len(low) <= MOST_BOXES:
-        boxes += len(low)
+    proved = False
+
+    def look(low: Array, high: Array) -> tuple[Array, Array]:
+        nonlocal proved
         least, most = bound(low, high)
         left = ((least[:3] <= 0) & (most[:3] >= 0)).all(axis=0)
         if away:
             left &= least[3] <= -AWAY_MARGIN
-        low, high = bisect(low[left], high[left])
-    return Exclusion(not len(low), boxes)
+        proved = not left.any()
+        halves = bisect(low[left], high[left])
+        return halves.lower, halves.upper
+
+    boxes = branch(low, high, look, MOST_BOXES)
+    return Exclusion(proved, boxes)
 
 
 class _Bounds:

@@ -8,7 +8,7 @@ import numpy as np
 
 from hitjoints.dynamics.kinematics import feasible_directions, position
 from hitjoints.kernels import Chain
-from hitjoints.planning.candidates import Candidate, away_gap
+from hitjoints.planning.candidates import Refusal, away_gap
 from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN
 from hitjoints.planning.proof.exclusion import exclude
 from hitjoints.planning.words import told_apart, vector
@@ -26,7 +26,7 @@ MOST_COMPARED = 64
 TOGETHER = 1e-9  # m: origins closer than this are one point
 
 
-def unreachable(task: Task, placed: Placement, prove: bool) -> Candidate:
+def unreachable(task: Task, placed: Placement, prove: bool) -> Refusal:
     """Say how close the contact gets to the object; prove it, if asked to and possible."""
     nearest = int(np.argmin(placed.error))
     error = float(placed.error[nearest])
@@ -62,7 +62,7 @@ def movers(task: Task) -> int:
     return chain.attach(task.contact.joint, task.contact.offset)[0]
 
 
-def fixed(task: Task) -> Candidate:
+def fixed(task: Task) -> Refusal:
     """Say that no joint moves the contact."""
     joint, q = task.contact.joint, task.robot.home
     assert task.target is not None
@@ -91,7 +91,7 @@ def reach_ball(task: Task) -> tuple[Array, float]:
     return np.array(chain.base_position), reach
 
 
-def immobile(task: Task, q: Array) -> Candidate:
+def immobile(task: Task, q: Array) -> Refusal:
     """Say which directions the contact can be hit along, where it can be placed at all.
 
     Where it moves along the direction asked for, that is not what is in the way.
@@ -117,7 +117,7 @@ def immobile(task: Task, q: Array) -> Candidate:
     return _refused(task, reason, False, q, direction=nearest, rank=directions.rank)
 
 
-def pointed_at(task: Task, found: Found, placed: Array, prove: bool) -> Candidate:
+def pointed_at(task: Task, found: Found, placed: Array, prove: bool) -> Refusal:
     """Say how far the distal links are from pointing away, at best.
 
     Args:
@@ -153,7 +153,7 @@ def pointed_at(task: Task, found: Found, placed: Array, prove: bool) -> Candidat
     return _refused(task, f"away condition impossible: {why}", certified, q, away_gap=gap)
 
 
-def short_of_flux(task: Task, flux: float, found: Found, deliverable: bool) -> Candidate:
+def short_of_flux(task: Task, flux: float, found: Found, deliverable: bool) -> Refusal:
     """Say what the greatest flux is."""
     most = float(np.exp(found.value[0]))
     reached, asked = told_apart(most, flux)
@@ -177,11 +177,10 @@ def _share_origin(task: Task) -> bool:
     )
 
 
-def _refused(task: Task, reason: str, certified: bool, q: Array, **nearest: Any) -> Candidate:
+def _refused(task: Task, reason: str, certified: bool, q: Array, **nearest: Any) -> Refusal:
     evidence = {"certified": certified, "nearest": {**nearest, "q": q}}
-    return Candidate(
+    return Refusal(
         task.contact.joint,
-        False,
         reason,
         position_error=nearest.get("position_error"),
         evidence=evidence,

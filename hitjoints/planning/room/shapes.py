@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.errors import ModelError
-from hitjoints.model.meshes import convex_hull
+from hitjoints.model.meshes import MeshError, convex_hull
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -163,7 +163,10 @@ def _shapes(robot: Robot) -> tuple[Any, int]:
         raise ModelError(robot.name, "it has no collision shapes, so distances cannot be told")
     for shape in shapes.geometryObjects:
         if hasattr(shape.geometry, "buildConvexHull"):
-            shape.geometry = convex_hull(shape.geometry)
+            try:
+                shape.geometry = convex_hull(shape.geometry)
+            except MeshError as error:
+                raise ModelError(robot.name, f"{error} ({shape.name})") from None
         shape.geometry.computeLocalAABB()
     links = [int(shape.parentJoint) for shape in shapes.geometryObjects]
     pairs = [(a, b) for a, b in combinations(range(len(links)), 2) if abs(links[a] - links[b]) > 1]
