@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor, wait
 
 from hitjoints.errors import InputError
 
+LEAST = 0.1  # ns, of a row: constants are copied, too
 WORTH_A_THREAD = 1e6
 """Nanoseconds of work in a piece: waking a thread for less costs more than it saves."""
 
@@ -55,7 +56,7 @@ def over_rows(
     """
     if threads is not None and threads < 1:
         raise InputError("threads", threads, "at least 1")
-    piece = max(1, round(WORTH_A_THREAD / (nanoseconds * ALIGNMENT))) * ALIGNMENT
+    piece = max(1, round(WORTH_A_THREAD / (max(nanoseconds, LEAST) * ALIGNMENT))) * ALIGNMENT
     pieces = -(-rows // piece)
     helpers = min(pieces, available_cpus() if threads is None else threads) - 1
     if helpers < 1:
