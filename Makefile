@@ -8,8 +8,12 @@ EXTRAS := test,lint,docs,dask
 
 demo: $(VENV)/demo-ready
 	mkdir -p out
-	$(BIN)/hitjoints sweep joint --robot iiwa14 --plot out/fig2.png --out out/fig2.nc
-	@echo "The paper's Fig. 2 for the KUKA iiwa 14: out/fig2.png"
+	$(BIN)/hitjoints plan --object 0.5,0.3,0.5 --direction 0,1,0 --mass 2 --out out/plan.json --plot out/plan.png
+	$(BIN)/hitjoints swing --plan out/plan.json --out out/trajectory.csv --plot out/swing.png
+	@echo "Planned, and made a motion that a controller can be sent. Pictures: out/plan.png, out/swing.png. Next:"
+	@echo "  $(BIN)/hitjoints sweep joint --plot out/fig2.png         inertia, speed and flux of each joint (the paper's Fig. 2)"
+	@echo "  $(BIN)/hitjoints inspect --impact all --contact-time 0.01  the mass that a real arm shows"
+	@echo "  $(BIN)/hitjoints plan --robot path/to/your_arm.urdf        the same for your arm"
 
 test: $(VENV)/ready
 	$(BIN)/python -m pytest

@@ -16,6 +16,7 @@ from benchmarks.report import Result, circumstances, markdown, table
 MODULES = (
     "startup",
     "single_call",
+    "microseconds",
     "programs",
     "control",
     "planning",

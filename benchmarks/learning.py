@@ -8,10 +8,10 @@ import numpy as np
 
 import hitjoints as hj
 from benchmarks.harness import Figure, Row, compare, seconds
+from hitjoints.built import kernel_for
 from hitjoints.model.robot import Contact
 from hitjoints.planning.learning.feasibility import Feasibility, learn_feasibility
 from hitjoints.planning.learning.greatest_flux import maximum_flux, random_positions
-from hitjoints.quantities import kernel_for
 from hitjoints.vectors import unit
 
 if TYPE_CHECKING:

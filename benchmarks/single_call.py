@@ -17,6 +17,7 @@ from benchmarks.peers.pinocchio import PinocchioArm
 from benchmarks.peers.pybullet import PyBulletArm
 from benchmarks.peers.toolbox import ToolboxArm
 from hitjoints.dynamics.inertia import inertia_and_gradient_along
+from hitjoints.evaluator import WORTH_COMPILING
 from hitjoints.vectors import unit
 
 JOINT, H = 6, np.array([0.0, 1.0, 0.0])
@@ -56,6 +57,8 @@ def inertias(robot: hj.Robot, qs: Any) -> list[Row | Remark]:
     def ours() -> list[float]:
         return [hj.directional_inertia(robot, q, JOINT, H) for q in qs]
 
+    _warm(ours, len(qs))
+
     peers = _evaluators(robot, "inertia", qs)
     named = ("hj.directional_inertia", ours, len(qs))
     return contest("inertia, one call", named, peers, near(ours(), EXACT))
@@ -67,9 +70,17 @@ def gradients(robot: hj.Robot, qs: Any) -> list[Row | Remark]:
     def ours() -> list[Any]:
         return [hj.directional_inertia_gradient(robot, q, JOINT, H) for q in qs]
 
+    _warm(ours, len(qs))
+
     peers = _evaluators(robot, "gradient", qs)
     named = ("hj.directional_inertia_gradient", ours, len(qs))
     return contest("gradient, one call", named, peers, near(ours(), DIFFERENCES), repeats=5)
+
+
+def _warm(ours: Work, calls: int) -> None:
+    """Ask often enough for the quantity to be compiled."""
+    for _ in range(WORTH_COMPILING // calls + 1):
+        ours()
 
 
 def placements(robot: hj.Robot, qs: Any) -> list[Row | Remark]:

@@ -19,10 +19,11 @@ import numpy as np
 
 import hitjoints as hj
 from benchmarks.swing_checker import judge
+from hitjoints.built import kernel_for
 from hitjoints.hit import Hit
 from hitjoints.model.robot import Robot
 from hitjoints.planning.room.shapes import scene_of
-from hitjoints.quantities import kernel_for, place_joint
+from hitjoints.quantities import place_joint
 from hitjoints.swings.make_swing import swing
 from hitjoints.swings.swing_record import Swing
 

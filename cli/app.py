@@ -8,7 +8,19 @@ import typer
 
 from hitjoints.version import __version__
 
-from . import inspect, plan, replay, reproduce, robots, rollout, simulate, sweep, swing, view
+from . import (
+    calibrate,
+    inspect,
+    plan,
+    replay,
+    reproduce,
+    robots,
+    rollout,
+    simulate,
+    sweep,
+    swing,
+    view,
+)
 from .option_groups import grouped
 
 app = typer.Typer(
@@ -27,6 +39,7 @@ app.command("rollout")(grouped(rollout.rollout))
 app.command("swing")(grouped(swing.swing))
 app.command("simulate")(grouped(simulate.simulate))
 app.command("replay")(grouped(replay.replay))
+app.command("calibrate")(grouped(calibrate.calibrate))
 app.command("reproduce")(grouped(reproduce.reproduce))
 app.command("view")(grouped(view.view))
 app.add_typer(robots.app, name="robots")

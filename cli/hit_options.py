@@ -21,6 +21,7 @@ DIRECTION = "0,1,0"
 MASS = 2.0
 FLUX = 0.3
 T = TypeVar("T")
+TIP = "tip"
 SAME = 1e-9  # by which an option may differ from what a plan says
 
 
@@ -57,7 +58,9 @@ class HitOptions(OptionGroup):
     offset: Annotated[
         str | None,
         typer.Option(
-            "--offset", metavar="X,Y,Z", help="Contact point in the joint's frame (m). (default: 0)"
+            "--offset",
+            metavar="X,Y,Z|tip",
+            help="Contact point in the joint's frame (m), or the tip of the tool. (default: 0)",
         ),
     ] = None
     flux: Annotated[
@@ -81,7 +84,9 @@ class HitOptions(OptionGroup):
             else [triple(text, "direction") for text in self.direction],
             "mass": self.mass,
             "joints": self.joint,
-            "offset": None if self.offset is None else triple(self.offset, "offset"),
+            "offset": self.offset
+            if self.offset in (None, TIP)
+            else triple(str(self.offset), "offset"),
             "flux": self.flux,
         }
         plan = planned or {}
@@ -99,7 +104,8 @@ class AskedHit:
         directions: (3,) each; most commands take one.
         mass: kg.
         joints: to hit with; None for the robot's own.
-        offset: (3,) m, of the contact in the joint's frame.
+        offset: (3,) m, of the contact in the joint's frame, or "tip" for that of the tool; None
+            for the origin, and for the tip when no joint is named either.
         flux: m/s; None if none is demanded.
     """
 
@@ -107,7 +113,7 @@ class AskedHit:
     directions: tuple[tuple[float, ...], ...] = (tuple(numbers(DIRECTION)),)
     mass: float = MASS
     joints: tuple[int, ...] | None = None
-    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    offset: tuple[float, float, float] | str | None = None
     flux: float | None = None
 
     @property
@@ -125,10 +131,10 @@ class AskedHit:
         Raises:
             InputError: the robot has no such joint.
         """
-        from hitjoints.model.robot import Contact
-
-        joints = robot.hitting_joints if self.joints is None else self.joints
-        return [robot.contact(Contact(joint, self.offset)) for joint in joints]
+        if self.joints is None and self.offset is None:
+            return list(robot.usual_contacts)
+        usual = (robot.n,) if self.offset == TIP else robot.hitting_joints
+        return [self._placed(robot, joint) for joint in self.joints or usual]
 
     def contact(self, robot: Robot) -> Contact:
         """Return the one contact: of the robot's usual joint if none is named.
@@ -136,10 +142,19 @@ class AskedHit:
         Raises:
             InputError: several joints are named, or one that the robot does not have.
         """
+        usual = robot.n if self.offset == TIP else robot.usual_joint
+        return self._placed(robot, usual if self.joints is None else _only("joint", self.joints))
+
+    def _placed(self, robot: Robot, joint: int) -> Contact:
+        from hitjoints.errors import InputError
         from hitjoints.model.robot import Contact
 
-        joint = robot.usual_joint if self.joints is None else _only("joint", self.joints)
-        return robot.contact(Contact(joint, self.offset))
+        if not isinstance(self.offset, str):
+            return robot.contact(Contact(joint, self.offset or (0.0, 0.0, 0.0)))
+        if robot.tool is None or joint != robot.n:
+            wanted = f"a tool (--tool FILE) and joint {robot.n}, which carries it"
+            raise InputError("offset", TIP, wanted)
+        return robot.flange
 
     def flux_hit(self, robot: Robot) -> Hit:
         """Return the one hit with a flux, the usual one if none is asked for.
@@ -188,6 +203,8 @@ def _one(name: str, asked: Any, planned: Any) -> Any:
 
     if asked is None or planned is None:
         return planned if asked is None else asked
+    if asked == TIP:  # which the plan, made with the same tool, says in numbers
+        return planned
     same = np.shape(asked) == np.shape(planned)
     if not same or not np.allclose(asked, planned, rtol=0, atol=SAME):
         option = {"position": "object", "directions": "direction", "joints": "joint"}

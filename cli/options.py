@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any
@@ -19,15 +20,29 @@ def numbers(text: str) -> list[float]:
         raise typer.BadParameter(f"{text!r} is not a list of numbers like 0.5,0.3,0.5") from None
 
 
-def spaced(text: str) -> Any:
-    """Read a range "start:stop:count", ends included, or a single number."""
+def spaced(text: str, argument: str) -> Any:
+    """Read a range "start:stop:count", ends included, or a single number.
+
+    Args:
+        text: as it was typed.
+        argument: the option's name.
+
+    Raises:
+        InputError: it asks for more numbers than a grid's axis can have.
+    """
     import numpy as np
 
+    from hitjoints.maps.grid import MOST_COORDINATES
+    from hitjoints.vectors import whole
+
     try:
-        start, stop, count = text.split(":") if ":" in text else (text, text, "1")
-        return np.linspace(float(start), float(stop), max(0, int(count)))
+        first, last, number = text.split(":") if ":" in text else (text, text, "1")
+        start, stop, count = float(first), float(last), int(number)
     except ValueError:
         raise typer.BadParameter(f"{text!r} is not a range like -0.5:0.5:20") from None
+    if not math.isfinite(start) or not math.isfinite(stop):
+        raise typer.BadParameter(f"{text!r} is not a range of finite numbers")
+    return np.linspace(start, stop, whole(max(0, count), argument, 0, MOST_COORDINATES))
 
 
 def triple(text: str, argument: str) -> tuple[float, float, float]:

@@ -11,6 +11,7 @@ import typer
 
 from .complaints import complain
 from .hit_options import HitOptions
+from .impact_options import ImpactOptions
 from .option_groups import OptionGroup
 from .options import (
     JsonOption,
@@ -27,11 +28,19 @@ from .robot_options import RobotOptions
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from hitjoints.planning.candidates import Candidate
+    from hitjoints.model.robot import Robot
+    from hitjoints.planning.candidates import Candidate, Verdict
     from hitjoints.planning.planner import Plan
     from hitjoints.planning.room.surroundings import Surroundings
     from hitjoints.planning.start import Start
     from hitjoints.planning.torque_cost import TorqueCost
+
+
+FLUX_BY = ("deliverable", "speed")
+COLUMNS = (
+    *("hit with", "inertia", "speed", "straight", "flux", "straight", "deliverable"),
+    *("optimum", "verdict"),
+)
 
 
 @dataclass(frozen=True)
@@ -42,8 +51,20 @@ class AimOptions(OptionGroup):
 
     objective: Annotated[
         str,
-        typer.Option("--objective", help="inertia, flux, straight-flux, or rebound with --flux."),
+        typer.Option(
+            "--objective",
+            help="inertia, flux, straight-flux, deliverable, or rebound with --flux.",
+        ),
     ] = "inertia"
+    flux_by: Annotated[
+        str | None,
+        typer.Option(
+            "--flux-by",
+            metavar="deliverable|speed",
+            help="What --flux has to be within: what a motion from rest to rest can deliver, "
+            "where the arm's acceleration limits are known, or the speed of Eq. 9.",
+        ),
+    ] = None
     away: Annotated[
         bool, typer.Option("--away/--no-away", help="Demand the away condition of Eq. 14.")
     ] = True
@@ -55,6 +76,20 @@ class AimOptions(OptionGroup):
     ] = True
     torque_limits: TorquesOption = False
     seed: SeedOption = 0
+
+    def deliverable(self, arm: Robot) -> bool:
+        """Tell whether a flux has to be deliverable.
+
+        Raises:
+            UnknownNameError: `--flux-by` is neither of its values.
+        """
+        from hitjoints.errors import UnknownNameError
+
+        if self.flux_by not in (None, *FLUX_BY):
+            raise UnknownNameError("flux_by", self.flux_by, FLUX_BY)
+        if self.flux_by is None:
+            return arm.acceleration is not None
+        return self.flux_by == "deliverable"
 
 
 @dataclass(frozen=True)
@@ -108,9 +143,14 @@ def plan(
     hit: HitOptions,
     aim: AimOptions,
     room: RoomOptions,
+    impact: ImpactOptions,
     output: PlanOutputs,
 ) -> None:
-    """Choose the joint to hit with and its configuration, with evidence (Eq. 8, 14)."""
+    """Choose the joint to hit with and its configuration, with evidence (Eq. 8, 14).
+
+    With --impact by the inertia that a real arm shows: rotor is planned for exactly; by composite
+    and elastic each joint's best configuration of the links alone is ranked again.
+    """
     from hitjoints.planning.planner import plan as make_plan
 
     asked = hit.read()
@@ -131,8 +171,10 @@ def plan(
         surroundings=around,
         start=True,
         torque_limits=aim.torque_limits,
+        deliverable=aim.deliverable(arm),
+        drives=impact.drives(),
     )
-    result = planned.as_dict() | {"robot": robot.robot}
+    result = planned.as_dict() | {"robot": robot.robot, "robot_digest": arm.digest}
     plot = None if planned.best is None else output.plot
     if output.out is not None:
         from hitjoints.datasets.files import write_whole
@@ -159,11 +201,26 @@ def _print(title: str, planned: Plan) -> None:
     at = ", ".join(f"{v:g}" for v in planned.position)
     along = ", ".join(f"{v:g}" for v in planned.direction)
     flux = "" if planned.flux is None else f" for a flux of {planned.flux:g} m/s"
+    if planned.deliverable:
+        flux = f" for a deliverable flux of {planned.flux:g} m/s"
+    if planned.impact != "rigid":
+        flux += f", inertia by the model {planned.impact}"
     print_table(
         f"{title}: hit {planned.mass:g} kg at ({at}) m along ({along}), {planned.objective}{flux}",
-        ("hit with", "inertia", "speed", "straight", "flux", "straight", "optimum", "verdict"),
+        (
+            "hit with",
+            "inertia",
+            "speed",
+            "straight",
+            "flux",
+            "straight",
+            "deliverable",
+            "optimum",
+            "verdict",
+        ),
         [_row(one, one is planned.best) for one in planned.candidates],
-        caption="kg and m/s; straight: moving along the direction only; optimum: proved over the "
+        caption="kg and m/s; straight: moving along the direction only; deliverable: the same from "
+        "rest to rest within the arm's limits; optimum: proved over the "
         "joints beyond the contact, and found by so many of the independent searches",
     )
     print(planned.summary)
@@ -216,16 +273,17 @@ def _share(one: TorqueCost) -> str | None:
     return f"{100 * (1 - one.flux_with / one.flux_without):.1f} %"
 
 
-def _row(one: Candidate, best: bool) -> list[object]:
+def _row(one: Verdict, best: bool) -> list[object]:
     from hitjoints.planning.words import at_most
 
     name = f"joint {one.joint}"
     if not one.feasible:
-        return [name, "", "", "", "", "", "", f"no: {one.reason.partition(':')[0]}"]
+        return [name, *[""] * 7, f"no: {one.reason.partition(':')[0]}"]
     evidence: dict[str, Any] = one.evidence
     certificate = evidence["certificate"]
     proof = "" if certificate is None else f"{100 * max(certificate['gap'], 1e-4):.2g} %, "
     sure = f"{proof}{evidence['agreeing']}/{len(evidence['restarts'])}"
     verdict = f"best: {one.reason}" if best else one.reason
     numbers = (one.inertia, one.speed, one.straight_speed, one.flux, one.straight_flux)
-    return [name, *(at_most(float(value or 0.0)) for value in numbers), sure, verdict]
+    known = "" if one.deliverable_flux is None else at_most(one.deliverable_flux)
+    return [name, *(at_most(value) for value in numbers), known, sure, verdict]

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,8 +15,11 @@ import typer
 
 from .complaints import complain
 from .hit_options import check_mass
+from .impact_options import RotorOption, StiffnessOption, of_joints
+from .option_groups import without
 from .options import JsonOption, OutOption, PlotOption, check_outputs, numbers, triple
 from .render import print_json, print_table
+from .robot_options import RobotOptions
 
 if TYPE_CHECKING:
     from hitjoints.evidence.recordings.replayed_hit import ReplayedHit
@@ -35,8 +40,14 @@ def replay(
     ] = None,
     robot: Annotated[
         str | None,
-        typer.Option("--robot", metavar="NAME|FILE", help="The arm. (default: as the file says)"),
+        typer.Option(
+            "--robot",
+            metavar="NAME|FILE",
+            help="The arm, with the options below. (default: as the file says)",
+        ),
     ] = None,
+    *,
+    chosen: Annotated[RobotOptions, without("robot")],
     direction: Annotated[
         str | None,
         typer.Option(
@@ -61,6 +72,15 @@ def replay(
             "--restitution", help="For the prediction. (default: median of the other hits)"
         ),
     ] = None,
+    impact: Annotated[
+        bool,
+        typer.Option("--impact", help="Add what models of the arm's drives say of each hit."),
+    ] = False,
+    contact_time: Annotated[
+        float, typer.Option("--contact-time", metavar="S", help="For them, elastic: how long.")
+    ] = 0.02,
+    stiffness: StiffnessOption = None,
+    rotor_inertia: RotorOption = None,
     out: OutOption = None,
     plot: PlotOption = None,
     as_json: JsonOption = False,
@@ -80,11 +100,15 @@ def replay(
     with _progress() as progress:
         result = compare(
             files or None,
-            robot=robot,
+            robot=None if robot is None else replace(chosen, robot=robot).load(),
             direction=None if direction is None else numbers(direction),
             mass=mass,
             offset=triple(offset, "offset"),
             restitution=restitution,
+            impact=impact,
+            contact_time=contact_time,
+            stiffness=of_joints(stiffness),
+            rotor_inertia=of_joints(rotor_inertia),
             progress=progress,
         )
     if out is not None:
@@ -149,6 +173,8 @@ def _print(result: Replay) -> None:
     )
     if len(result.usable) > SHOWN:
         print(f"... and {len(result.usable) - SHOWN} more: --out writes all of them")
+    if result.usable[0:1] and result.usable[0].shown_mass is not None:
+        _print_impact(result)
     _print_summary(result.usable)
     for name in ("restitution", "recorded_inertia", "momentum_mass"):
         print(f"{name}: {REMARKS[name]}.")
@@ -168,6 +194,30 @@ def _row(hit: ReplayedHit) -> list[object]:
     )  # fmt: skip
     cells = ["-" if value is None else f"{value:.3g}" for value in numbers]
     return [Path(hit.file).stem, hit.robot, *cells]
+
+
+def _print_impact(result: Replay) -> None:
+    rows = []
+    for hit in result.usable[:SHOWN]:
+        told = {} if hit.shown_mass is None else hit.shown_mass.as_dict()
+        models = [told.get(name) for name in ("rigid", "rotor", "composite", "elastic")]
+        rows.append([Path(hit.file).stem, *models, hit.momentum_mass, hit.unpushed_mass])
+    print_table(
+        "Inertia (kg) by models of the drives, and by the balance of momentum",
+        ("file", "rigid", "rotor", "composite", "elastic", "measured", "less controller"),
+        rows,
+        caption="less controller: without what the robot's own acceleration did meanwhile",
+    )
+    fitted = result.stiffness
+    if fitted is None:
+        print("stiffness: too few hits of arms whose rotor inertia is known")
+        return
+    bound = "; the hits do not bound it" if fitted.at_edge else ""
+    print(
+        f"stiffness: {fitted.value:.3g} N m/rad explains {fitted.hits} hits best, "
+        f"{fitted.low:.3g} to {fitted.high:.3g} with one left out{bound}; off by a factor of "
+        f"{math.exp(fitted.error):.2g} on hits left out"
+    )
 
 
 def _print_summary(hits: tuple[ReplayedHit, ...]) -> None:

@@ -25,7 +25,7 @@ class RobotOptions(OptionGroup):
 
     robot: Annotated[
         str,
-        typer.Option("--robot", metavar="NAME|FILE", help="Built-in name, or a URDF or TOML file."),
+        typer.Option("--robot", metavar="NAME|FILE", help="Name, or URDF, xacro, MJCF or TOML."),
     ] = ROBOT
     tip: Annotated[
         str | None,
@@ -39,6 +39,12 @@ class RobotOptions(OptionGroup):
         list[str] | None,
         typer.Option(
             "--lock", metavar="NAME[=VALUE]", help="Joint to hold, at 0 or there; may be repeated."
+        ),
+    ] = None
+    tool: Annotated[
+        Path | None,
+        typer.Option(
+            "--tool", metavar="FILE", help="Tool on the flange: TOML of mass, com, inertia, tip."
         ),
     ] = None
     package_dirs: Annotated[
@@ -61,6 +67,7 @@ class RobotOptions(OptionGroup):
             "tip": self.tip,
             "base": self.base,
             "lock": self.lock,
+            "tool": self.tool,
             "package_dirs": self.package_dirs or (),
             "xacro_args": assigned(self.xacro_args or ()),
         }

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .hit_options import HitOptions
+from .impact_options import RotorOption, of_joints
 from .option_groups import without
 from .options import SeedOption, numbers
 from .output_options import OutputOptions
@@ -26,6 +27,10 @@ def sweep_joint(
         str | None,
         typer.Option("--q", metavar="Q1,Q2,...", help="Common null-space configuration (rad)."),
     ] = None,
+    impact: Annotated[
+        str, typer.Option("--impact", metavar="MODEL", help="rigid, rotor or composite.")
+    ] = "rigid",
+    rotor_inertia: RotorOption = None,
     seed: SeedOption = 0,
 ) -> None:
     """Turn each hitting joint at the object: inertia, speed and flux by its angle (Fig. 2)."""
@@ -42,6 +47,8 @@ def sweep_joint(
         joints=asked.contacts(arm),
         count=count,
         start=None if q is None else numbers(q),
+        impact=impact,  # type: ignore[arg-type]  # refused there when it is none
+        rotor_inertia=of_joints(rotor_inertia),
         seed=seed,
     )
     if output.out is not None:
@@ -83,8 +90,9 @@ def _print(swept: Dataset) -> None:
             error = f"out of reach by {float(row.position_error):.3g} m"
             rows.append([f"joint {k}", error, "", "", "", ""])
     at = ", ".join(f"{v:g}" for v in swept.attrs["position"])
+    model = "" if swept.attrs["impact"] == "rigid" else f", inertia: {swept.attrs['impact']}"
     print_table(
-        f"{swept.attrs['robot']}: each joint placed at ({at}) m and turned over its range",
+        f"{swept.attrs['robot']}: each joint placed at ({at}) m and turned over its range{model}",
         ("hit with", "inertia (kg)", "speed (m/s)", "straight", "flux (m/s)", "straight"),
         rows,
         caption=f"object of {swept.attrs['mass']:g} kg; least .. greatest over the joint's angle",

@@ -110,9 +110,9 @@ def sweep_workspace(
     with _progress() as progress:
         swept = hj.sweep_workspace(
             arm,
-            spaced(grid.x),
-            spaced(grid.y),
-            spaced(grid.z),
+            spaced(grid.x, "x"),
+            spaced(grid.y, "y"),
+            spaced(grid.z, "z"),
             asked.directions,
             asked.mass,
             joints=asked.contacts(arm),

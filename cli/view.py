@@ -47,6 +47,8 @@ def view(
     check_outputs(None, (out, "out", (".html",)), inputs=[robot.robot])
     arm = robot.load()
     contact = asked.contact(arm)
+    for link, reason in arm.shape_faults[:1]:
+        complain("warning", f"drawn with bars: a collision shape of {link}: {reason}")
     viewer = show(
         arm,
         None if q is None else numbers(q),

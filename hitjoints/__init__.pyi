@@ -31,11 +31,16 @@ from .errors import (
 from .errors import (
     SolverError as SolverError,
 )
+from .evaluator import Evaluator as Evaluator
+from .evidence.calibration.past_hits import calibrate as calibrate
 from .evidence.paper.reproduction import reproduce as reproduce
 from .evidence.physics.simulation import simulate as simulate
 from .evidence.recordings.replayer import replay as replay
+from .goals.landing import Landing as Landing
+from .goals.landing import landing as landing
 from .hit import Hit as Hit
 from .hitting.controller import Controller as Controller
+from .hitting.drive_limits import DriveLimits as DriveLimits
 from .impact.collision import (
     hitting_flux as hitting_flux,
 )
@@ -58,11 +63,13 @@ from .loading.load import (
 from .loading.load import (
     load_robot as load_robot,
 )
+from .maps.contact_time_sweep import sweep_contact_time as sweep_contact_time
 from .maps.joint_sweep import sweep_joint as sweep_joint
 from .maps.workspace import open_map as open_map
 from .maps.workspace import sweep_workspace as sweep_workspace
 from .model.robot import Contact as Contact
 from .model.robot import Robot as Robot
+from .model.tool import Tool as Tool
 from .planning.learning.feasibility import (
     learn_feasibility as learn_feasibility,
 )
@@ -71,6 +78,7 @@ from .planning.learning.feasibility import (
 )
 from .planning.planner import plan as plan
 from .planning.posture import posture as posture
+from .planning.real_arm import Drives as Drives
 from .planning.room.clearance import clearance as clearance
 from .planning.room.surroundings import Surroundings as Surroundings
 from .planning.start import plan_start as plan_start
@@ -88,7 +96,6 @@ from .quantities import (
 )
 from .rollouts.follow import rollout as rollout
 from .show.viewer import view as view
-from .swings.drive_limits import DriveLimits as DriveLimits
 from .swings.make_swing import swing as swing
 from .swings.swing_record import Swing as Swing
 from .version import __version__ as __version__

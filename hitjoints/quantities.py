@@ -1,26 +1,30 @@
 """The quantities of a hit for one configuration or a million: the border where input is checked.
 
-One configuration (n,) goes to Pinocchio, rows of them (N, n) to the batch kernels.
+One configuration (n,) goes to Pinocchio, and to compiled formulas once a quantity has been asked
+for thousands of times; rows of them (N, n) go to the batch kernels.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
-from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hitjoints.built import chain_of, kernel_for
 from hitjoints.errors import InputError
 from hitjoints.tolerances import moves
-from hitjoints.vectors import points, unit
+from hitjoints.vectors import all_finite, points, unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from hitjoints.kernels import Chain, Placement
+    from hitjoints.kernels import Placement
     from hitjoints.model.robot import Contact, Robot
+
+MOST_KEPT = 64
+"""Quantities of a robot whose calls are counted: who makes a new contact for each call gains none
+by compiling."""
 
 
 def directional_inertia(
@@ -44,7 +48,10 @@ def directional_inertia(
 
     Source: Khatib, Inertial properties in robotic manipulation, IJRR 14(1), 1995; Eq. 1.
     """
-    contact, q, h = checked(robot, q, contact, direction)
+    quick = _quick(robot, contact, "inertia", q, direction)
+    if quick is not None:
+        return quick
+    contact, q, h = _shaped(robot, q, contact, direction)
     if q.ndim == 2:
         return _batch(robot, contact, "inertia", q, h)
     from hitjoints.dynamics.inertia import inertia_along
@@ -63,7 +70,10 @@ def directional_inertia_gradient(
         kg/rad: (n,) for one configuration, (N, n) for rows. A row whose direction is infeasible
         holds nan.
     """
-    contact, q, h = checked(robot, q, contact, direction)
+    quick = _quick(robot, contact, "gradient", q, direction)
+    if quick is not None:
+        return np.asarray(quick)
+    contact, q, h = _shaped(robot, q, contact, direction)
     if q.ndim == 2:
         return _batch(robot, contact, "gradient", q, h)
     from hitjoints.dynamics.inertia import inertia_and_gradient_along
@@ -91,9 +101,13 @@ def hitting_speed(
         InputError: as `directional_inertia`.
         SolverError: the linear program's answer could not be certified.
     """
-    contact, q, h = checked(robot, q, contact, direction)
+    output = "straight_speed" if straight else "speed"
+    quick = _quick(robot, contact, output, q, direction)
+    if quick is not None:
+        return quick
+    contact, q, h = _shaped(robot, q, contact, direction)
     if q.ndim == 2:
-        return _batch(robot, contact, "straight_speed" if straight else "speed", q, h)
+        return _batch(robot, contact, output, q, h)
     from hitjoints.dynamics.kinematics import jacobian
     from hitjoints.programs.hitting_speed import box_speed, solve_hitting_speed
 
@@ -152,23 +166,27 @@ def place_joint(
         start=start,
         rows=rows,
         threads=threads,
-        chain=_chain_of(robot),
+        chain=chain_of(robot),
+        data=robot.data,
     )
     return placed if start is not None else replace(placed, q=robot.nearest_turn(placed.q))
-
-
-@lru_cache(maxsize=16)
-def _chain_of(robot: Robot) -> Chain:
-    from hitjoints.kernels import Chain
-
-    return Chain.from_model(robot.model)
 
 
 def checked(
     robot: Robot, q: ArrayLike, contact: Contact | int, direction: ArrayLike
 ) -> tuple[Contact, NDArray[np.float64], NDArray[np.float64]]:
     """Return contact, configurations and unit directions; errors as `directional_inertia`."""
-    contact, q, h = robot.contact(contact), robot.configuration(q), unit(direction)
+    contact, q, h = _shaped(robot, q, contact, direction)
+    return contact, robot.configuration(q), h
+
+
+def _shaped(
+    robot: Robot, q: ArrayLike, contact: Contact | int, direction: ArrayLike
+) -> tuple[Contact, NDArray[np.float64], NDArray[np.float64]]:
+    """Return the same; rows (N, n) may hold numbers that are not finite."""
+    contact, q, h = robot.contact(contact), robot.configuration(q, finite=False), unit(direction)
+    if q.ndim == 1:
+        q = robot.configuration(q)
     if h.ndim == 2 and (q.ndim == 1 or len(h) != len(q)):
         expected = "one direction" if q.ndim == 1 else f"one direction, or {len(q)} as in q"
         raise InputError("direction", f"{len(h)} rows", expected)
@@ -176,22 +194,28 @@ def checked(
 
 
 def _batch(robot: Robot, contact: Contact, output: str, q: Any, h: Any) -> NDArray[np.float64]:
-    values = kernel_for(robot, (contact,), (output,))(q, h)[output][0]
+    def check(start: int, stop: int) -> None:
+        if not all_finite(q[start:stop]):
+            robot.configuration(q)  # which raises
+
+    values = kernel_for(robot, (contact,), (output,))(q, h, check=check)[output][0]
     return np.asarray(values)
 
 
-_building = Lock()
+def _quick(
+    robot: Robot, contact: Contact | int, output: str, q: ArrayLike, direction: ArrayLike
+) -> Any:
+    """Return the compiled answer for one configuration; None if the ordinary way has to answer."""
+    if type(q) is not np.ndarray or q.ndim != 1:
+        return None
+    try:
+        quick = robot.kept.get((output, contact))
+    except TypeError:  # no number, no contact
+        return None
+    if quick is None:
+        if len(robot.kept) >= MOST_KEPT:
+            return None
+        from hitjoints.evaluator import Quick
 
-
-def kernel_for(robot: Robot, contacts: tuple[Contact, ...], outputs: tuple[str, ...]) -> Any:
-    """Return the batch kernel of a robot for some contacts and outputs, built on first use."""
-    with _building:  # two threads must not build the same kernel twice
-        return _built(robot, contacts, outputs)
-
-
-@lru_cache(maxsize=64)
-def _built(robot: Robot, contacts: tuple[Contact, ...], outputs: tuple[str, ...]) -> Any:
-    from hitjoints.kernels import build_kernel
-
-    points_of = tuple((contact.joint, contact.offset) for contact in contacts)
-    return build_kernel(robot.model, contacts=points_of, outputs=outputs)
+        quick = robot.kept[output, contact] = Quick(robot, contact, output)
+    return quick(q, direction)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,8 @@ from hitjoints.errors import InputError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+FEW = 1000
+LARGEST_SEED = 2**63 - 1
 TINY, HUGE = 1e-150, 1e150  # lengths whose squares neither under- nor overflow
 
 
@@ -65,6 +68,28 @@ def positive_mass(mass: object) -> float:
     return number
 
 
+def whole(value: object, argument: str, least: int, most: int) -> int:
+    """Return one whole number from `least` to `most`.
+
+    Args:
+        value: any integer, NumPy's too.
+        argument: what to call it when it is refused.
+        least: it may be.
+        most: it may be.
+
+    Raises:
+        InputError: it is none, or out of range.
+    """
+    try:
+        number = operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        raise InputError(argument, value, "a whole number") from None
+    if not least <= number <= most:
+        expected = f"at least {least}" if number < least else f"at most {most}"
+        raise InputError(argument, value, expected)
+    return number
+
+
 def real(values: ArrayLike, argument: str, expected: str) -> NDArray[np.float64]:
     """Return real numbers as an array of floats, the same array when it is one.
 
@@ -93,8 +118,10 @@ def real(values: ArrayLike, argument: str, expected: str) -> NDArray[np.float64]
 
 def all_finite(array: NDArray[np.float64]) -> bool:
     """Tell whether every entry is finite."""
-    # The sum of squares of sane numbers is finite, and several times faster to find.
-    return math.isfinite(np.vdot(array, array)) or bool(np.isfinite(array).all())
+    # A sum of sane numbers is finite, and several times faster to find. That of squares, for few;
+    # for many it would wake the threads of the linear algebra library, which takes milliseconds.
+    total = np.vdot(array, array) if array.size < FEW else np.einsum("i->", array.ravel("K"))
+    return math.isfinite(total) or bool(np.isfinite(array).all())
 
 
 def _brief(array: NDArray[np.float64]) -> str:

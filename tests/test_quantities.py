@@ -115,11 +115,11 @@ def test_place_joint_bad_input(robot, targets, options, message):
 
 
 def test_numpy_back_end_by_environment(robot, rows, monkeypatch):
-    from hitjoints import quantities
+    from hitjoints import built
 
     fast = hj.directional_inertia(robot, rows, 6, H)
     monkeypatch.setenv("HITJOINTS_BACKEND", "numpy")
-    quantities._built.cache_clear()
+    built._kernel.cache_clear()
     plain = hj.directional_inertia(robot, rows, 6, H)
-    quantities._built.cache_clear()
+    built._kernel.cache_clear()
     np.testing.assert_allclose(plain, fast, rtol=1e-12)

@@ -78,8 +78,7 @@ def _fill(file: Any, dataset: Dataset) -> None:
     for key, said in dataset.attrs.items():
         file.attrs[key] = _flat(said)
     for name, variable in dataset.variables.items():
-        kind = np.dtype("int8") if variable.dtype == bool else variable.dtype
-        copy = file.create_variable(str(name), variable.dims, kind)
+        copy = file.create_variable(str(name), variable.dims, _kind(variable.dtype))
         copy.attrs.update(variable.attrs)
     for name in dataset.coords:
         file[str(name)][...] = dataset[name].values
@@ -87,6 +86,16 @@ def _fill(file: Any, dataset: Dataset) -> None:
         for name, values in part.data_vars.items():
             cut = tuple(where.get(str(d), slice(None)) for d in values.dims)
             file[str(name)][cut] = values.values
+
+
+def _kind(stored: np.dtype[Any]) -> np.dtype[Any]:
+    """Return the type a variable has in the file: no booleans there, and text of any length."""
+    import h5py
+
+    if stored.kind == "b":
+        return np.dtype("int8")
+    text = stored.kind in "OUT"
+    return np.dtype(h5py.string_dtype()) if text else stored
 
 
 def _flat(said: Any) -> Any:

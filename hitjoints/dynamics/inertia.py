@@ -13,6 +13,7 @@ import pinocchio as pin
 
 from hitjoints.dynamics.kinematics import WORLD_ALIGNED, point_jacobian
 from hitjoints.errors import InfeasibleError, ModelError
+from hitjoints.model.robot import NO_MASS
 from hitjoints.tolerances import moves
 
 if TYPE_CHECKING:
@@ -54,6 +55,8 @@ def factor_mass_matrix(model: Any, data: Any, q: NDArray[np.float64]) -> None:
     pin.crba(model, data, q)
     pin.cholesky.decompose(model, data)
     if not all(pivot > 0 for pivot in data.D.tolist()):
+        if not any(body.mass > 0 for body in list(model.inertias)[1:]):
+            raise ModelError(model.name, NO_MASS)
         raise ModelError(
             model.name,
             "its mass matrix is not positive definite: a link's mass or inertia is missing or "

@@ -11,8 +11,15 @@ import pinocchio as pin
 
 from hitjoints.errors import InputError, KernelMismatchError
 from hitjoints.kernels.formulas.chain import Chain, Triple
+from hitjoints.kernels.ik_single import SingleSearch
 from hitjoints.kernels.ik_starts import random_starts
-from hitjoints.kernels.ik_step import SQUARE_TOLERANCE, Iteration, iteration, record_step
+from hitjoints.kernels.ik_step import (
+    SQUARE_TOLERANCE,
+    Iteration,
+    LlvmIteration,
+    iteration,
+    record_step,
+)
 from hitjoints.kernels.outputs import record
 from hitjoints.kernels.tape.backends import Array, Runnable, choose, evaluate, prepare
 
@@ -58,6 +65,7 @@ def place(
     threads: int | None = None,
     backend: str | None = None,
     chain: Chain | None = None,
+    data: pin.Data | None = None,
 ) -> Placement:
     """Find configurations whose contact is at the given positions.
 
@@ -76,6 +84,7 @@ def place(
         threads: None for as many as help.
         backend: see `build_kernel`.
         chain: of the model, when it is known already.
+        data: of the model, overwritten; made when it is not given.
 
     Raises:
         InputError: no such joint, wrong shapes, or a number that is not finite.
@@ -93,8 +102,16 @@ def place(
     first = None if start is None else _first(chain, np.asarray(start, dtype=np.float64), count)
     offset = (float(contact[1][0]), float(contact[1][1]), float(contact[1][2]))
     search = _search(chain, (contact[0], offset), choose(backend))
-    q, error = search(np.ascontiguousarray(targets.T), numbers, seed, first, threads)
-    _spot_check(model, (contact[0], offset), q, targets, error)
+    if threads is not None and threads < 1:
+        raise InputError("threads", threads, "at least 1")
+    if count == 1 and search.single is not None:
+        begin = None if first is None else first[:, 0]
+        one = search.single(targets[0], int(numbers[0]), seed, begin, FOR_ALL, NEAR_MISS**2)
+        q, error = one[0][:, None], np.array([one[1]])
+    else:
+        q, error = search(np.ascontiguousarray(targets.T), numbers, seed, first, threads)
+    work = model.createData() if data is None else data
+    _spot_check(model, work, (contact[0], offset), q, targets, error)
     return Placement(q.T, error <= TOLERANCE, error)
 
 
@@ -110,6 +127,10 @@ class Search:
 
     def __init__(self, chain: Chain, iterate: Iteration, position: Runnable, movers: int) -> None:
         self.chain, self.iterate, self.position, self.movers = chain, iterate, position, movers
+        self.single: SingleSearch | None = None
+        if isinstance(iterate, LlvmIteration) and movers:
+            compiled: Any = position
+            self.single = SingleSearch(chain, iterate.run, compiled, movers, ATTEMPTS)
 
     def __call__(
         self,
@@ -141,7 +162,7 @@ class Search:
     def errors(self, q: Array, targets: Array, threads: int | None) -> Array:
         """Distances (N,) from the targets (m)."""
         fill = [np.zeros(1)] * 4
-        found = evaluate(self.position, self.position.lanes, 3, [*q, *fill], q.shape[1], threads)
+        found = evaluate(self.position, 3, [*q, *fill], q.shape[1], threads)
         return np.asarray(np.sqrt(((found - targets) ** 2).sum(axis=0)))
 
 
@@ -166,10 +187,15 @@ def _first(chain: Chain, start: Array, count: int) -> Array:
 
 
 def _spot_check(
-    model: pin.Model, contact: tuple[int, Triple], q: Array, targets: Array, error: Array
+    model: pin.Model,
+    data: pin.Data,
+    contact: tuple[int, Triple],
+    q: Array,
+    targets: Array,
+    error: Array,
 ) -> None:
-    data = model.createData()
-    for i in np.linspace(0, len(error) - 1, min(SPOT_CHECKS, len(error)), dtype=int):
+    last = len(error) - 1
+    for i in (0,) if last == 0 else np.linspace(0, last, min(SPOT_CHECKS, last + 1), dtype=int):
         pin.forwardKinematics(model, data, np.ascontiguousarray(q[:, i]))
         position = data.oMi[contact[0]].act(np.array(contact[1]))
         deviation = abs(float(np.linalg.norm(position - targets[i])) - float(error[i]))

@@ -4,6 +4,7 @@ does.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from hitjoints.model.turns import FAR, FAR_SLIDE, SLIDE, TURN
 GOLDEN = 0x9E3779B97F4A7C15
 MASK = (1 << 64) - 1
 BLOCK = 8192
+NANOSECONDS = 10.0  # about what a number takes
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -28,9 +30,8 @@ def random_starts(
 ) -> Array:
     """Uniform configurations (n, N) within the position limits, near zero where they are far."""
     n = chain.size
-    ends = [start_range(link.lower, link.upper, link.prismatic) for link in chain.links]
-    low, high = [pair[0] for pair in ends], [pair[1] for pair in ends]
-    keys = [mix(mix(mix(seed & MASK) + attempt) + joint) for joint in range(n)]
+    low, high = _ranges(chain)
+    keys = _keys(seed, attempt, n)
     counters = rows.astype(np.uint64)
     q = np.empty((n, len(rows)))
 
@@ -44,7 +45,7 @@ def random_starts(
                 link = chain.links[joint]
                 np.clip(unit, link.lower, link.upper, out=q[joint, a : a + len(block)])
 
-    over_rows(fill, len(rows), threads)
+    over_rows(fill, len(rows), threads, NANOSECONDS * n)
     return q
 
 
@@ -60,9 +61,40 @@ def start_range(lower: float, upper: float, slides: bool) -> tuple[float, float]
     return low, low + width
 
 
+def one_start(chain: Chain, row: int, seed: int, attempt: int) -> Array:
+    """One of them (n,), the same bits: arrays of one number take longer than that number."""
+    counter = (row & MASK) * GOLDEN
+    low, high = _ranges(chain)
+    units = [
+        (finalise((counter + key) & MASK) >> 11) * 2.0**-53
+        for key in _keys(seed, attempt, chain.size)
+    ]
+    return np.array(
+        [
+            min(max(unit * (b - a) + a, link.lower), link.upper)
+            for unit, a, b, link in zip(units, low, high, chain.links, strict=True)
+        ]
+    )
+
+
+@lru_cache(maxsize=64)
+def _ranges(chain: Chain) -> tuple[list[float], list[float]]:
+    ends = [start_range(link.lower, link.upper, link.prismatic) for link in chain.links]
+    return [pair[0] for pair in ends], [pair[1] for pair in ends]
+
+
+@lru_cache(maxsize=256)
+def _keys(seed: int, attempt: int, n: int) -> list[int]:
+    return [mix(mix(mix(seed & MASK) + attempt) + joint) for joint in range(n)]
+
+
 def mix(z: int) -> int:
+    """A step of splitmix64 on one integer."""
+    return finalise((z + GOLDEN) & MASK)
+
+
+def finalise(z: int) -> int:
     """The finaliser of splitmix64 on one integer."""
-    z = (z + GOLDEN) & MASK
     z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & MASK
     z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & MASK
     return z ^ (z >> 31)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import functools
 import math
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -122,7 +121,7 @@ class NumpyIteration:
         active = np.arange(q.shape[1])
         for remaining in reversed(range(iterations)):
             inputs = [*q[:, active], *targets[:, active]]
-            out = evaluate(self.step, 1, len(q) + 2, inputs, len(active), threads)
+            out = evaluate(self.step, len(q) + 2, inputs, len(active), threads)
             square[active] = out[-2]
             moving = out[-1] > 0.0
             active = active[moving]
@@ -149,9 +148,8 @@ class LlvmIteration:
         self, q: Array, targets: Array, iterations: int, threads: int | None
     ) -> tuple[Array, Array]:
         """See `Iteration`."""
-        run: Any = functools.partial(self.run, iterations=iterations)
         inputs = [*q, *targets]
-        out = evaluate(run, self.run.lanes, self.joints + 1, inputs, q.shape[1], threads)
+        out = evaluate(self.run, self.joints + 1, inputs, q.shape[1], threads, iterations)
         return out[:-1], out[-1]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pinocchio as pin
@@ -41,6 +41,7 @@ class Kernel:
         direction: Array,
         mass: float | Array | None = None,
         threads: int | None = None,
+        check: Callable[[int, int], None] | None = None,
     ) -> dict[str, Array]:
         """Evaluate all contacts at all configurations.
 
@@ -52,6 +53,7 @@ class Kernel:
             direction: (3,) unit vector in the world, or (N, 3) one per row.
             mass: object's mass (kg), a number or (N,); needed by flux and straight_flux only.
             threads: None for as many as help; the results do not depend on it.
+            check: looks at rows start..stop of q before they are evaluated, and may raise.
 
         Returns:
             Each output with contacts and rows first: inertia (K, N) kg, gradient (K, N, n) kg/rad,
@@ -77,7 +79,7 @@ class Kernel:
             raise InputError("mass", f"shape {m.shape}", f"a number or ({rows},) is expected")
         inputs = [*q.T, *(h.T if h.ndim == 2 else h[:, None]), m]
         count = len(self.runnable.program.outputs)
-        values = evaluate(self.runnable, self.runnable.lanes, count, inputs, rows, threads)
+        values = evaluate(self.runnable, count, inputs, rows, threads, check=check)
         return self.named(values, self.outputs)
 
     def named(self, values: Array, outputs: Sequence[str]) -> dict[str, Array]:

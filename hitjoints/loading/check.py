@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from hitjoints.model.robot import Robot
 
 PLACEHOLDERS = 3  # moving links with the same mass and tensor that are no coincidence
+MOST_TOLD = 12  # held joints
 SEVERITIES = ("error", "warning", "note")
 
 
@@ -75,7 +76,9 @@ def _no_mass() -> list[Issue]:
 
 
 def _check_links(arm: Arm, robot: Robot, doubts: bool) -> list[Issue]:
-    reach = sum(link.size for link in arm.links if link.moving)
+    sizes = {link.name: link.size for link in arm.links}
+    way = [joint for joint in arm.tree.above(arm.tip) if joint.parent != arm.tree.root]
+    reach = sum(float(np.linalg.norm(joint.xyz)) for joint in way) + sizes[arm.tip]
     # The base does not move: its inertia plays no part.
     links = [link for link in arm.links if link_frame(link, robot).parentJoint]
     faults = [fault for link in links if (fault := tensor_fault(link, reach)) is not None]
@@ -129,7 +132,7 @@ def _check_placeholders(links: Sequence[Link]) -> list[Issue]:
             "warning",
             ", ".join(names),
             f"{len(names)} links have the same mass {key[0]:g} kg and tensor: placeholders",
-            "every inertia computed from them is a guess",
+            "the inertias computed from them are guesses",
             at_load=True,
         )
         for key, names in alike.items()
@@ -170,7 +173,10 @@ def _check_limits(robot: Robot) -> list[Issue]:
 def _check_held(arm: Arm) -> list[Issue]:
     if not arm.held:
         return []
-    names = ", ".join(f"{name}={value:.4g}" for name, value in arm.held.items())
+    told = [f"{name}={value:.4g}" for name, value in arm.held.items()]
+    if len(told) > MOST_TOLD:
+        told[MOST_TOLD:] = [f"{len(told) - MOST_TOLD} more"]
+    names = ", ".join(told)
     problem = f"held still, off the way to the tip {arm.tip}"
     return [Issue("note", names, problem, "what hangs on it rides along")]
 

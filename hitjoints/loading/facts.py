@@ -20,14 +20,20 @@ if TYPE_CHECKING:
 KEYS: dict[str, type | tuple[type, ...]] = {
     "name": str, "title": str, "urdf": str, "licence": str, "source": str,
     "tip": str, "base": str, "lock": (list, dict), "flange": str,
-    "package_dirs": list, "xacro_args": dict,
+    "tool": (str, dict), "package_dirs": list, "xacro_args": dict,
     "hitting_joints": list, "home": list, "armature": list,
     "position": list, "velocity": list, "effort": list,
     "acceleration": list, "acceleration_source": str, "jerk": list, "jerk_source": str,
     "rotor_inertia": list, "rotor_inertia_source": str,
     "joint_stiffness": list, "joint_stiffness_source": str,
 }  # fmt: skip
-KINDS = {str: "text", dict: "a table", list: "a list", (list, dict): "a list or a table"}
+KINDS = {
+    (str, dict): "text or a table",
+    str: "text",
+    dict: "a table",
+    list: "a list",
+    (list, dict): "a list or a table",
+}
 # Facts of the drives that no description holds; each stays unknown without an entry.
 DRIVE_FACTS = ("acceleration", "jerk", "rotor_inertia", "joint_stiffness")
 # Limits that go before those of the description.
@@ -108,7 +114,7 @@ def per_joint(facts: Facts, key: str, default: NDArray[np.float64], name: str) -
     except InputError:
         values = np.empty(0)
     if values.shape != np.shape(default) or not np.isfinite(values).all():
-        raise ModelError(name, f"{key} = {shown(facts[key])} {wanted}")
+        raise ModelError(name, f"{key} = {shown(facts.get(key, default))} {wanted}")
     return values
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +14,15 @@ from hitjoints.loading.check import check_arm
 from hitjoints.loading.facts import (
     DRIVE_FACTS,
     LIMITS,
+    Facts,
     drive_fact,
     per_joint,
     provenance,
     read_lock,
 )
 from hitjoints.loading.source import Description, describe
+from hitjoints.loading.tool_file import Asked as AskedTool
+from hitjoints.loading.tool_file import read_tool
 from hitjoints.model.arm import Arm, choose_arm
 from hitjoints.model.compare import compare_model
 from hitjoints.model.robot import Contact, Robot
@@ -39,6 +42,7 @@ def load_robot(
     tip: str | None = None,
     base: str | None = None,
     lock: Lock = None,
+    tool: AskedTool | None = None,
     package_dirs: Sequence[str | Path] = (),
     xacro_args: Mapping[str, str] | None = None,
 ) -> Robot:
@@ -53,6 +57,8 @@ def load_robot(
         base: the link that the arm stands on, whose frame becomes the world's; the root of the
             description when not given.
         lock: joints to hold: positions (rad or m) by name, or "NAME" (at zero) and "NAME=VALUE".
+        tool: what is welded to the flange: a `Tool`, or a TOML with its mass, com, inertia and
+            tip. Its tip becomes the end of the arm, and what hits when no joint is named.
         package_dirs: folders that hold the packages of `package://` addresses.
         xacro_args: arguments of a xacro file, by name.
 
@@ -67,7 +73,7 @@ def load_robot(
         ModelWarning: an inertia is physically impossible or out of proportion; the text says what
             that does to the directional inertia.
     """
-    _, arm, robot = read_robot(source, tip, base, lock, package_dirs, xacro_args)
+    _, arm, robot = read_robot(source, tip, base, lock, tool, package_dirs, xacro_args)
     for issue in check_arm(arm, robot, doubts=False):
         if issue.at_load:
             warnings.warn(f"{robot.name}: {issue}", ModelWarning, stacklevel=2)
@@ -79,6 +85,7 @@ def read_robot(
     tip: str | None = None,
     base: str | None = None,
     lock: Lock = None,
+    tool: AskedTool | None = None,
     package_dirs: Sequence[str | Path] = (),
     xacro_args: Mapping[str, str] | None = None,
 ) -> tuple[Description, Arm, Robot]:
@@ -87,12 +94,16 @@ def read_robot(
     Arguments and errors as `load_robot`.
     """
     description = describe(source, package_dirs, xacro_args)
-    arm = read_arm(description, tip, base, lock)
+    arm = read_arm(description, tip, base, lock, tool)
     return description, arm, build_robot(description, arm)
 
 
 def read_arm(
-    description: Description, tip: str | None = None, base: str | None = None, lock: Lock = None
+    description: Description,
+    tip: str | None = None,
+    base: str | None = None,
+    lock: Lock = None,
+    tool: AskedTool | None = None,
 ) -> Arm:
     """Read a description and choose the arm in it; arguments and errors as `load_robot`.
 
@@ -103,7 +114,7 @@ def read_arm(
         told = read_lock(facts.get("lock"))
     except InputError as error:
         raise ModelError(name, str(error)) from None
-    return choose_arm(
+    arm = choose_arm(
         description.tree,
         description.source,
         facts.get("tip") if tip is None else tip,
@@ -111,6 +122,20 @@ def read_arm(
         told | read_lock(lock),
         {key: facts[key] for key in LIMITS if key in facts},
     )
+    try:
+        held = read_tool(tool) or read_tool(facts.get("tool"), description.home)
+    except InputError as error:
+        if tool is not None:
+            raise
+        raise ModelError(name, str(error)) from None
+    return arm if held is None else arm.with_tool(held, _flange_link(arm, facts, name))
+
+
+def _flange_link(arm: Arm, facts: Facts, name: str) -> str:
+    """Return the link that a tool is welded to."""
+    links = {link: link for link in arm.riding()}
+    carried = {n: j.child for n, j in arm.tree.joints.items() if j.parent in links}
+    return links.get(found := _flange_name(links | carried, facts, arm, name)) or carried[found]
 
 
 def build_robot(description: Description, arm: Arm) -> Robot:
@@ -139,13 +164,14 @@ def build_robot(description: Description, arm: Arm) -> Robot:
         model=model,
         hitting_joints=joints,
         home=home,
-        flange=_flange(model, facts.get("flange"), arm.tip, name),
+        flange=_flange(model, facts, arm, name),
         xml=arm.xml,
         title=facts.get("title", name),
         source=" ".join(facts.get("source", "").split()),
         licence=facts.get("licence", ""),
         folder="" if description.folder is None else str(description.folder),
         package_dirs=description.package_dirs,
+        tool=arm.tool,
         **{key: drive_fact(facts, key, n, name) for key in DRIVE_FACTS},
         provenance=provenance(facts, name),
     )
@@ -166,6 +192,7 @@ def _model(arm: Arm, name: str) -> Any:
     if tuple(model.names)[1:] != arm.joints or model.nq != model.nv:
         raise ModelError(name, f"Pinocchio reads joints {list(model.names)[1:]}, not {arm.joints}")
     compare_model(model, arm, name)
+    model.name = name  # what messages from below call it
     for joint in arm.continuous:
         index = model.joints[model.getJointId(joint)].idx_q
         model.lowerPositionLimit[index] = -np.inf
@@ -175,13 +202,18 @@ def _model(arm: Arm, name: str) -> Any:
     return model
 
 
-def _flange(model: Any, frame: str | None, tip: str, name: str) -> Contact:
-    """Return the named frame's point, or that of a usual name, or the tip."""
+def _flange(model: Any, facts: Facts, arm: Arm, name: str) -> Contact:
     last = model.nv
     ends = {f.name: f.placement.translation for f in model.frames if f.parentJoint == last}
+    end = arm.tip if arm.tool else _flange_name(ends, facts, arm, name)
+    return Contact(last, tuple(ends[end]))
+
+
+def _flange_name(ends: Collection[str], facts: Facts, arm: Arm, name: str) -> str:
+    """Return the frame named in the TOML, or one with a usual name, or the tip."""
+    frame = facts.get("flange")
     if frame is not None and frame not in ends:
         reason = f"flange {frame!r} is no frame on the last joint; choose one of {list(ends)}"
         raise ModelError(name, reason)
     usual = [(rank, end) for end in ends if (rank := end_rank(end)) is not None]
-    chosen = frame if frame is not None else min(usual)[1] if usual else tip
-    return Contact(last, tuple(ends[chosen]))
+    return str(frame) if frame is not None else min(usual)[1] if usual else arm.tip

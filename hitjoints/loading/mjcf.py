@@ -8,15 +8,15 @@ the same in both.
 
 from __future__ import annotations
 
-from dataclasses import replace
-from importlib import import_module
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from hitjoints.errors import MissingExtraError, ModelError
+from hitjoints.errors import ModelError
+from hitjoints.model.engine import compiled, engine
 from hitjoints.model.numbers import written
 from hitjoints.model.tree import Body, Connection, Tree, roll_pitch_yaw, turn_about
 
@@ -54,22 +54,31 @@ def read_mjcf(text: str, path: Path | None, source: str) -> Tree:
         MissingExtraError: MuJoCo is not installed.
         ModelError: MuJoCo refuses it.
     """
-    try:
-        mujoco = import_module("mujoco")
-    except ImportError:
-        raise MissingExtraError("mujoco", "sim") from None
+    mujoco = engine()
     try:
         if path is not None:
             spec = mujoco.MjSpec.from_file(str(path))
         else:
             spec = mujoco.MjSpec.from_string(text)
-        spec.compiler.fusestatic = False
-        model = spec.compile()
     except (ValueError, RuntimeError) as error:
         reason = " ".join(str(error).split()).removeprefix("Error: ")
         raise ModelError(source, f"MuJoCo cannot read it ({reason})") from None
+    spec.compiler.fusestatic = False
+    model = compiled(spec, source)
     meshes = Path("" if path is None else path.parent, spec.meshdir)
-    return _Reader(mujoco, model, meshes.absolute()).tree(spec.modelname or "robot")
+    tree = _Reader(mujoco, model, meshes.absolute()).tree(spec.modelname or "robot")
+    _check_finite(tree, source)
+    return tree
+
+
+def _check_finite(tree: Tree, source: str) -> None:
+    for kind, parts in (("body", tree.bodies), ("joint", tree.joints)):
+        for name, part in parts.items():
+            for item in fields(part):
+                value = getattr(part, item.name)
+                if isinstance(value, (float, np.ndarray)) and not np.isfinite(value).all():
+                    reason = f"{kind} {name}: its {item.name} is not finite ({value})"
+                    raise ModelError(source, reason)
 
 
 class _Reader:

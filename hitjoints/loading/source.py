@@ -41,6 +41,8 @@ class Description:
     """The TOML's entries; empty without one."""
     package_dirs: tuple[str, ...] = ()
     """Folders that hold packages, for the meshes."""
+    home: Path | None = None
+    """The folder of the TOML."""
 
 
 def describe(
@@ -63,8 +65,8 @@ def describe(
     located = _Located(None, "robot", "text") if is_text(asked) else _locate(asked)
     path, name, called, facts = located
     told = facts.get("package_dirs", [])
-    home = Path(asked).parent if path is not None and facts else Path()
-    dirs = (*map(str, package_dirs), *(str(home / folder) for folder in told))
+    home = Path(asked).parent if asked.endswith(".toml") else None
+    dirs = (*map(str, package_dirs), *(str(Path(home or "", folder)) for folder in told))
     arguments = {**facts.get("xacro_args", {}), **(xacro_args or {})}
     text, kind = (asked if path is None else read_text(path)), "urdf"
     if path is not None and path.suffix == ".xacro":
@@ -80,7 +82,7 @@ def describe(
         raise ModelError(called, reason)
     else:
         tree = read_urdf(text, called)
-    return Description(name, called, tree, folder, kind, facts, dirs)
+    return Description(name, called, tree, folder, kind, facts, dirs, home)
 
 
 def root_tag(text: str) -> str:
@@ -120,8 +122,12 @@ def _locate(asked: str) -> _Located:
     return _Located(path, path.stem.removesuffix(".urdf"), asked)
 
 
-def read_text(path: Path) -> str:
-    """Return a description file's text.
+def read_text(path: Path, argument: str = "robot") -> str:
+    """Return the text of a file that describes something.
+
+    Args:
+        path: the file.
+        argument: what to call it in messages.
 
     Raises:
         InputError: the file cannot be read as text, is no plain file, or is larger than any
@@ -131,15 +137,15 @@ def read_text(path: Path) -> str:
         # A device or a pipe may never end.
         status = os.stat(path)
         if not (stat.S_ISREG(status.st_mode) or stat.S_ISDIR(status.st_mode)):
-            raise InputError("robot", path, "a description is a file, not a device or a pipe")
+            raise InputError(argument, path, "a description is a file, not a device or a pipe")
         if status.st_size > LARGEST:
-            raise InputError("robot", path, f"a description has at most {LARGEST >> 20} MB")
+            raise InputError(argument, path, f"a description has at most {LARGEST >> 20} MB")
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
-        raise InputError("robot", path, "not a UTF-8 text file") from None
+        raise InputError(argument, path, "not a UTF-8 text file") from None
     except OSError as error:
-        raise InputError("robot", path, str(error.strerror)) from None
+        raise InputError(argument, path, str(error.strerror)) from None
     except InputError:
         raise
     except ValueError:
-        raise InputError("robot", path, "a path holds no null character") from None
+        raise InputError(argument, path, "a path holds no null character") from None

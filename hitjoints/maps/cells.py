@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hitjoints.built import kernel_for
 from hitjoints.model.robot import Contact
-from hitjoints.quantities import kernel_for, place_joint
+from hitjoints.quantities import place_joint
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,6 +29,7 @@ PER_DIRECTION = (
 )  # fmt: skip
 OUTPUTS = ("inertia", "speed", "flux", "straight_speed", "straight_flux")
 ROWS_AT_ONCE = 200_000  # configurations in memory at a time
+MOST_SAMPLES = 1_000_000  # per position and joint: those of one position are in memory together
 
 
 @dataclass(frozen=True)
@@ -55,8 +58,16 @@ class Question:
         return max(1, ROWS_AT_ONCE // self.samples)
 
 
+class StoppedError(Exception):
+    """Nobody waits for the answer any more."""
+
+
 def evaluate(
-    question: Question, positions: Array, numbers: NDArray[np.int64], threads: int | None = None
+    question: Question,
+    positions: Array,
+    numbers: NDArray[np.int64],
+    threads: int | None = None,
+    stopped: Callable[[], bool] = lambda: False,
 ) -> dict[str, Array]:
     """Answer a question at some positions.
 
@@ -66,18 +77,25 @@ def evaluate(
         numbers: (P,) of each position in the whole map: the random numbers hang on it, so the
             answer does not depend on how the map is cut.
         threads: see `hj.place_joint`.
+        stopped: asked now and then whether the answer is still wanted.
 
     Returns:
         `reachable` (K, P), the share of samples that reach the position; `q` (K, D, P, n) and the
         names of `PER_DIRECTION`, (K, D, P); nan where the position is out of reach.
+
+    Raises:
+        StoppedError: it is not.
     """
     step = question.positions_at_once
+
+    def part(contact: Contact, i: int) -> dict[str, Array]:
+        if stopped():
+            raise StoppedError
+        cut = slice(i, i + step)
+        return _evaluate(question, contact, positions[cut], numbers[cut], threads)
+
     parts = [
-        [
-            _evaluate(question, contact, positions[i : i + step], numbers[i : i + step], threads)
-            for i in range(0, len(positions), step)
-        ]
-        for contact in question.contacts
+        [part(contact, i) for i in range(0, len(positions), step)] for contact in question.contacts
     ]
     return {
         name: np.stack([np.concatenate([p[name] for p in row], axis=_axis(name)) for row in parts])

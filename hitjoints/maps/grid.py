@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,12 +12,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.errors import InputError
-from hitjoints.vectors import real
+from hitjoints.vectors import real, whole
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 Slices = tuple[slice, slice, slice]
+
+MOST_COORDINATES = 100_000
+"""Along an axis."""
+MOST_POSITIONS = 100_000_000
+"""In a grid."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,9 +76,13 @@ def make_grid(x: ArrayLike, y: ArrayLike, z: ArrayLike, per_block: int) -> Grid:
     """Cut a grid into blocks of about `per_block` positions.
 
     Raises:
-        InputError: an axis is empty, not finite, or not ascending.
+        InputError: an axis is empty, not finite, or not ascending; or there are too many positions.
     """
     axes = (_axis("x", x), _axis("y", y), _axis("z", z))
+    positions = math.prod(axis.size for axis in axes)
+    if positions > MOST_POSITIONS:
+        expected = f"at most {MOST_POSITIONS} positions in a map"
+        raise InputError("x, y, z", f"{positions} positions", expected)
     block_z = min(axes[2].size, per_block)
     block_y = min(axes[1].size, max(1, per_block // block_z))
     block_x = min(axes[0].size, max(1, per_block // (block_y * block_z)))
@@ -83,4 +93,5 @@ def _axis(name: str, values: ArrayLike) -> NDArray[np.float64]:
     axis = np.atleast_1d(real(values, name, "ascending finite coordinates"))
     if axis.ndim != 1 or not axis.size or not np.isfinite(axis).all() or (np.diff(axis) <= 0).any():
         raise InputError(name, np.array2string(axis, threshold=6), "ascending finite coordinates")
+    whole(axis.size, f"count of {name}", 1, MOST_COORDINATES)
     return axis

@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hitjoints.built import chain_of, kernel_for
 from hitjoints.datasets.describe import described
-from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.dynamics.kinematics import position
+from hitjoints.errors import InfeasibleError
 from hitjoints.impact.collision import hitting_flux
+from hitjoints.impact.inertia_models import InertiaModel, impact_inertia
 from hitjoints.model.robot import Contact
-from hitjoints.quantities import kernel_for, place_joint
-from hitjoints.vectors import points, unit
+from hitjoints.quantities import place_joint
+from hitjoints.vectors import LARGEST_SEED, points, positive_mass, unit, whole
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -20,6 +23,8 @@ if TYPE_CHECKING:
 
     from hitjoints.model.robot import Robot
 
+MOST_ANGLES = 1_000_000
+"""Per joint."""
 OUTPUTS = ("inertia", "speed", "straight_speed")
 
 
@@ -32,6 +37,8 @@ def sweep_joint(
     joints: Sequence[Contact | int] | None = None,
     count: int = 181,
     start: ArrayLike | None = None,
+    impact: InertiaModel = "rigid",
+    rotor_inertia: ArrayLike | None = None,
     seed: int = 0,
 ) -> Dataset:
     """Place each joint at a point, then turn that joint over its range (Section III-A, Fig. 2).
@@ -49,6 +56,8 @@ def sweep_joint(
         joints: hitting joints or contacts; the robot's own when not given.
         count: angles per joint.
         start: (n,) rad, the common configuration; the robot's home when not given.
+        impact: model of the inertia, see `impact_inertia`.
+        rotor_inertia: for it, kg m^2; the robot's when not given.
         seed: of the inverse kinematics' random restarts, needed when `start` leads nowhere.
 
     Returns:
@@ -60,12 +69,17 @@ def sweep_joint(
         InfeasibleError: no joint reaches the position.
     """
     chosen = robot.contacts(joints)
-    if count < 2:
-        raise InputError("count", count, "at least 2 angles")
+    count = whole(count, "count", 2, MOST_ANGLES)
+    seed = whole(seed, "seed", 0, LARGEST_SEED)
     target = points(position, "position").reshape(3)
     h = unit(direction)
     common = robot.within_limits(robot.home if start is None else start, "start")
     rows = [_turn(robot, k, target, h, common, count, seed) for k in chosen]
+    if impact != "rigid":
+        for row, contact in zip(rows, chosen, strict=True):
+            turned = _turned(row["q"], contact.joint, row["angle"])
+            shown = impact_inertia(robot, turned, contact, h, impact, rotor_inertia=rotor_inertia)
+            row["inertia"] = np.where(row["reachable"], shown, np.nan)
     if not any(row["reachable"] for row in rows):
         raise InfeasibleError(
             f"unreachable: no joint of {[contact.joint for contact in chosen]} can be placed at "
@@ -74,28 +88,36 @@ def sweep_joint(
             f"{min(r['position_error'] for r in rows):.3g} m away",
             {"position_error": {r["joint"]: r["position_error"] for r in rows}},
         )
-    swept = _assemble(robot, rows, target, h, mass)
-    return swept.assign_attrs(offsets=[list(contact.offset) for contact in chosen])
+    swept = _assemble(robot, rows, target, h, positive_mass(mass))
+    return swept.assign_attrs(impact=impact, offsets=[list(contact.offset) for contact in chosen])
 
 
 def _turn(
     robot: Robot, contact: Contact, target: Any, h: Any, common: Any, count: int, seed: int
 ) -> dict[str, Any]:
     joint = contact.joint
-    placed = place_joint(robot, contact, target, seed, start=common)
-    q, reachable = placed.q[0], bool(placed.solved[0])
-    row: dict[str, Any] = {"joint": joint, "q": q, "reachable": reachable}
-    row["position_error"] = float(placed.error[0])
-    low, high = robot.lower[joint - 1], robot.upper[joint - 1]
-    if not np.isfinite((low, high)).all():
-        low, high = -np.pi, np.pi
+    row: dict[str, Any] = {"joint": joint}
+    if chain_of(robot).attach(contact.joint, contact.offset)[0]:
+        placed = place_joint(robot, contact, target, seed, start=common)
+        q, reachable = placed.q[0], bool(placed.solved[0])
+        row["position_error"] = float(placed.error[0])
+    else:
+        # A point on the first joint's axis stays where it is, and hits nothing there.
+        q, reachable = common, False
+        row["position_error"] = float(np.linalg.norm(position(robot, q, contact) - target))
+    row |= {"q": q, "reachable": reachable}
+    low, high = (ends[joint - 1] for ends in robot.finite_limits)
     row["angle"] = np.linspace(low, high, count)
-    turned = np.tile(q, (count, 1))
-    turned[:, joint - 1] = row["angle"]
-    values = kernel_for(robot, (contact,), OUTPUTS)(turned, h)
-    for name in OUTPUTS:
-        row[name] = values[name][0] if reachable else np.full(count, np.nan)
-    return row
+    if not reachable:
+        return row | {name: np.full(count, np.nan) for name in OUTPUTS}
+    values = kernel_for(robot, (contact,), OUTPUTS)(_turned(q, joint, row["angle"]), h)
+    return row | {name: values[name][0] for name in OUTPUTS}
+
+
+def _turned(q: Any, joint: int, angle: Any) -> Any:
+    rows = np.tile(q, (len(angle), 1))
+    rows[:, joint - 1] = angle
+    return rows
 
 
 def _assemble(

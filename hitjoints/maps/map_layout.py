@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -94,6 +95,12 @@ def lay_out(store: Path | Any, grid: Grid, n: int, attributes: dict[str, Any]) -
     add("reachable", ("joint", *SPACE), shape=lead, chunks=(joints, *grid.block), **floats)
     blocks: dict[str, Any] = {"shape": grid.blocks, "chunks": (1, 1, 1)}
     add("done", ("block_x", "block_y", "block_z"), dtype="uint8", fill_value=0, **blocks)
+
+
+def bytes_of(grid: Grid, question: Question) -> int:
+    """Return how much memory the values of a map take."""
+    per_position = len(question.directions) * (len(PER_DIRECTION) + question.robot.n) + 1
+    return 8 * math.prod(grid.shape) * len(question.contacts) * per_position
 
 
 def part_of(name: str, grid: Grid, index: tuple[int, int, int]) -> tuple[slice, ...]:

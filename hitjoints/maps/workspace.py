@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.errors import InputError
-from hitjoints.maps.cells import Question
+from hitjoints.maps.cells import MOST_SAMPLES, Question
 from hitjoints.maps.grid import Grid, make_grid
 from hitjoints.maps.integrity import grid_of, missing_blocks, open_arrays, read_attributes
+from hitjoints.maps.map_layout import bytes_of
 from hitjoints.maps.schedule import run_blocks
 from hitjoints.maps.store import MapStore, map_in_memory, map_on_disk
-from hitjoints.vectors import unit
+from hitjoints.vectors import LARGEST_SEED, positive_mass, unit, whole
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from hitjoints.model.robot import Contact, Robot
 
 POSITIONS_PER_BLOCK = 2000  # what a kill can cost, and the finest grain of a cluster's work
+IN_MEMORY = 4e9  # bytes of a map that has no store
 Progress = Callable[[int, int], None]
 
 
@@ -76,16 +78,20 @@ def sweep_workspace(
     Raises:
         InputError: an argument cannot be used, or `out` holds another map.
     """
-    if not (np.isfinite(mass) and mass > 0):
-        raise InputError("mass", mass, "an object weighs more than 0 kg")
-    if samples < 1:
-        raise InputError("samples", samples, "at least 1 configuration per position")
-    contacts = robot.contacts(joints)
-    h = np.atleast_2d(unit(directions))
-    question = Question(robot, contacts, h, float(mass), samples, seed)
+    question = Question(
+        robot,
+        contacts=robot.contacts(joints),
+        directions=np.atleast_2d(unit(directions)),
+        mass=positive_mass(mass),
+        samples=whole(samples, "samples", 1, MOST_SAMPLES),
+        seed=whole(seed, "seed", 0, LARGEST_SEED),
+    )
     grid = make_grid(x, y, z, POSITIONS_PER_BLOCK)
-
     if out is None:
+        size = bytes_of(grid, question)
+        if size > IN_MEMORY:
+            expected = f"a map of {size / 1e9:.3g} GB is not held in memory: name a Zarr store"
+            raise InputError("out", out, expected)
         store, source = map_in_memory(question, grid, command)
         _fill(store, question, grid, scheduler, threads, progress)
         return _opened(source).load()

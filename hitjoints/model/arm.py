@@ -12,6 +12,7 @@ import numpy as np
 from hitjoints.errors import InputError, ModelError, UnknownNameError
 from hitjoints.model.limits import with_limits
 from hitjoints.model.tips import find_tip, tips
+from hitjoints.model.tool import weld
 from hitjoints.model.tree import MOVING, roll_pitch_yaw, rotation, turn_about
 from hitjoints.model.urdf import check_moving
 from hitjoints.model.urdf_text import urdf_text
@@ -19,6 +20,7 @@ from hitjoints.model.urdf_text import urdf_text
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from hitjoints.model.tool import Tool
     from hitjoints.model.tree import Body, Connection, Tree
 
 MOST_JOINTS = 16  # what the kernels take
@@ -55,6 +57,18 @@ class Arm:
     """The link that the chain leads to."""
     held: Mapping[str, float]
     """Positions (rad or m) of the joints off the chain, and of those that were locked."""
+    tool: Tool | None = None
+    """What `with_tool` welded to it; the tip is then that of the tool."""
+
+    def riding(self) -> list[str]:
+        """Return the links that the last joint carries."""
+        return self.tree.below(self.tree.joints[self.joints[-1]].child)
+
+    def with_tool(self, tool: Tool, flange: str) -> Arm:
+        """Return the arm with a tool welded to one of its links, in that link's frame."""
+        tree, tip = weld(self.tree, flange, tool)
+        links = tuple(_sized(body, tree) for body in tree.bodies.values())
+        return replace(self, xml=urdf_text(tree), tree=tree, links=links, tip=tip, tool=tool)
 
 
 def choose_arm(

@@ -25,6 +25,9 @@ FARTHEST = 1e5
 """m: a vertex beyond is a mistake."""
 SMALLEST = 1e-6
 """m, and share of its distance from its origin: a mesh shorter than that is a dot."""
+HULLS = ("Qt", "QJ")
+"""Of qhull: exact, but a large round face becomes a fan about one corner, which Coal may refuse;
+else with the points moved by some 1e-10 of the size, which no fan survives."""
 PACKAGE = ("package://", "model://")
 
 
@@ -110,6 +113,9 @@ def convex_hull(mesh: Any) -> Any:
 
     A flat mesh is made as thick as FLAT times its length, half on each side: distances from it
     are too small by that half at most.
+
+    Raises:
+        MeshError: a corner of the hull has more neighbours than Coal can count (255).
     """
     import coal
 
@@ -122,8 +128,13 @@ def convex_hull(mesh: Any) -> Any:
     cloud.beginModel(0, len(points))
     cloud.addVertices(points)
     cloud.endModel()
-    cloud.buildConvexHull(True, "Qt")
-    return cloud.convex
+    for option in HULLS:
+        try:
+            cloud.buildConvexHull(True, option)
+            return cloud.convex
+        except RuntimeError:
+            continue
+    raise MeshError("the convex hull of a mesh has a corner with more than 255 neighbours")
 
 
 def _extents(points: Array) -> tuple[Array, Array]:

@@ -19,8 +19,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from hitjoints.model.tool import Tool
+
 FARTHEST = 100.0
 """m from a joint to a point of its link; of what lies farther, rounding is what remains."""
+NO_MASS = "no link has mass, so there are no inertias, only kinematics"
 COINCIDE = 1e-3  # m; origins that are nearer than this to each other are one
 
 
@@ -69,17 +72,20 @@ class Robot:
         model: Pinocchio model, one degree of freedom per joint; not to be written to.
         hitting_joints: joints (1-based) a hit is planned with when none is named.
         home: (n,) rad, a configuration in the middle of the useful workspace.
-        flange: the end of the arm, on the last joint; the point chi_{n+1} of Eq. 14.
+        flange: the end of the arm, on the last joint; the point chi_{n+1} of Eq. 14. With a tool
+            it is the tool's tip.
         xml: the URDF as given to Pinocchio.
         title, source, licence: where the numbers come from.
         folder: of the description, "" for a text; its meshes are looked for from there.
         package_dirs: folders that hold the packages of `package://` addresses.
+        tool: what is welded to the flange, which `model` and `xml` hold already.
         acceleration: (n,) rad/s^2, acceleration limits of the drives; None when not known.
         jerk: (n,) rad/s^3, jerk limits; None when not known.
         rotor_inertia: (n,) kg m^2, reflected through the gears; None when not known. The mass
             matrix holds `model.armature` instead, which is zero unless the TOML says otherwise.
         joint_stiffness: (n,) N m/rad, of the gears and torque sensors; None when not known.
         provenance: where each of these four comes from, by name.
+        kept: what others have derived from it, such as compiled formulas; not copied along.
     """
 
     name: str
@@ -93,11 +99,13 @@ class Robot:
     licence: str = ""
     folder: str = field(default="", repr=False)
     package_dirs: tuple[str, ...] = field(default=(), repr=False)
+    tool: Tool | None = field(default=None, repr=False)
     acceleration: NDArray[np.float64] | None = field(default=None, repr=False)
     jerk: NDArray[np.float64] | None = field(default=None, repr=False)
     rotor_inertia: NDArray[np.float64] | None = field(default=None, repr=False)
     joint_stiffness: NDArray[np.float64] | None = field(default=None, repr=False)
     provenance: Mapping[str, str] = field(default_factory=dict, repr=False)
+    kept: dict[Any, Any] = field(default_factory=dict, repr=False, init=False)
     _local: threading.local = field(default_factory=threading.local, repr=False, init=False)
 
     def __post_init__(self) -> None:
@@ -134,6 +142,15 @@ class Robot:
         """Whether any moving link weighs anything; without, only kinematics are known."""
         return any(body.mass > 0 for body in list(self.model.inertias)[1:])
 
+    def require_mass(self) -> None:
+        """Refuse what inertias are needed for.
+
+        Raises:
+            ModelError: no link has mass.
+        """
+        if not self.has_mass:
+            raise ModelError(self.name, NO_MASS)
+
     @property
     def joint_names(self) -> list[str]:
         """Names of the joints, base to tip."""
@@ -164,6 +181,12 @@ class Robot:
     def nearest_turn(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return q, (n,) or (N, n) rad, with every angle the turn of 2 pi nearest to home."""
         return nearest_turn(q, self.lower, self.upper, self.home, self.turning)
+
+    def velocity_ratio(self, qd: NDArray[np.float64]) -> float:
+        """Return the greatest |qd| of joint velocities (..., n) in units of its limit."""
+        limit = np.where(qd > 0, self.velocity_upper, -self.velocity_lower)
+        moving = qd != 0
+        return float(np.max(np.abs(qd[moving]) / limit[moving], initial=0.0))
 
     @cached_property
     def velocity_lower(self) -> NDArray[np.float64]:
@@ -253,6 +276,14 @@ class Robot:
         """The joint that hits when none is named: the last but one of the hitting joints."""
         return self.hitting_joints[-2:][0]
 
+    @property
+    def usual_contacts(self) -> tuple[Contact, ...]:
+        """What hits when no joint is named: the hitting joints, and the tip of a tool."""
+        if self.tool is None:
+            return tuple(self._origins[joint] for joint in self.hitting_joints)
+        others = (self._origins[joint] for joint in self.hitting_joints if joint != self.n)
+        return (*others, self.flange)
+
     @cached_property
     def _origins(self) -> dict[int, Contact]:
         return {joint: Contact(joint) for joint in range(1, self.n + 1)}
@@ -273,13 +304,13 @@ class Robot:
         return contact
 
     def contacts(self, joints: Iterable[Contact | int] | None = None) -> tuple[Contact, ...]:
-        """Return joints or contacts as Contacts of this robot, its hitting joints by default.
+        """Return joints or contacts as Contacts of this robot, its `usual_contacts` by default.
 
         Raises:
             InputError: there is no such joint, none at all, or one twice.
         """
         if joints is None:
-            joints = self.hitting_joints
+            joints = self.usual_contacts
         if not hasattr(joints, "__iter__"):
             raise InputError("joints", joints, "a list of joints, even of one")
         contacts = tuple(map(self.contact, joints))
@@ -299,8 +330,15 @@ class Robot:
                 return self._origins[joint]
         return self.flange
 
-    def configuration(self, q: ArrayLike, argument: str = "q") -> NDArray[np.float64]:
+    def configuration(
+        self, q: ArrayLike, argument: str = "q", *, finite: bool = True
+    ) -> NDArray[np.float64]:
         """Return `q` as one (n,) or many (N, n) finite configurations.
+
+        Args:
+            q: rad.
+            argument: what to call it when it is refused.
+            finite: look at every number; if not, the caller does.
 
         Raises:
             InputError: wrong shape, or not finite.
@@ -313,7 +351,7 @@ class Robot:
                 f"{self.name} takes {self.n} joint positions (or rows of them), "
                 f"this has shape {array.shape}",
             )
-        if not all_finite(array):
+        if finite and not all_finite(array):
             raise InputError(argument, _brief(array), "every joint position must be finite")
         return array
 

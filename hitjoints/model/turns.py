@@ -55,6 +55,8 @@ def nearest_turn(q: Array, lower: Array, upper: Array, home: Array, turning: Fla
         lower, upper, home, turning: as `search_range`.
     """
     turns = np.where(turning, np.round((home - q) / TURN), 0.0)
+    if not turns.any():
+        return q
     for _ in range(2):
         moved = q + TURN * turns
         beyond = (moved < lower) | (moved > upper)

@@ -99,12 +99,9 @@ def run_from(robot: Robot, hit: Hit, q: Array, torque_limits: bool) -> tuple[App
 
 def _with_path(robot: Robot, start: Start, run: Approach) -> Start:
     assert run.impact is not None
-    qd = np.array([step.qd for _, step in run.rows])
-    limit = np.where(qd > 0, robot.velocity_upper, -robot.velocity_lower)
-    moving = qd != 0
     return replace(
         start,
         path=np.array([*(q for q, _ in run.rows), run.impact.q]),
         times=np.array([*(CONTROL * np.arange(len(run.rows))), run.impact.time]),
-        velocity_ratio_max=float(np.max(np.abs(qd[moving]) / limit[moving], initial=0.0)),
+        velocity_ratio_max=robot.velocity_ratio(np.array([step.qd for _, step in run.rows])),
     )

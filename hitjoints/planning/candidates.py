@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import SolverError
+from hitjoints.hitting.deliverable import deliverable_speed
 from hitjoints.impact.collision import hitting_flux
 from hitjoints.quantities import hitting_speed
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.planning.objectives.hit_problem import Hit
     from hitjoints.planning.search.groups import Found
+    from hitjoints.planning.task import Task
 
     Array = NDArray[np.float64]
 
@@ -26,40 +27,93 @@ NEAREST_POSITION = 1e-6  # m, what a plan promises
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """One hitting joint: feasible, with everything about the hit, or not, with the reason.
+    """A hitting joint that can do it, with everything about the hit.
 
     Attributes:
         joint: 1-based.
-        feasible: the joint can do it.
-        reason: why it is best, why another is better, or why it cannot.
-        q: (n,) rad within the limits; None if infeasible.
-        position_error: m, from the object; the closest possible if that is what is in the way.
-        inertia: kg. speed, straight_speed, flux, straight_flux: m/s (Eq. 9, 10).
+        feasible: True.
+        reason: why it is best, or why another is better.
+        q: (n,) rad within the limits.
+        position_error: m, from the object.
+        inertia: kg.
+        speed: m/s, Eq. 9.
+        straight_speed: m/s, of a motion straight along the direction.
+        flux: m/s, Eq. 10 with the speed of Eq. 9.
+        straight_flux: m/s, the same with the straight speed.
+        deliverable_flux: m/s, the straight flux of a motion from rest to rest within the limits.
+        deliverable_reason: why that is not known.
         away: h . (chi_{k+1} - chi_k) < 0 (Eq. 14).
         away_gap: m, that number.
         clearance: least distances (m) at q and on the straight approach, see `Clearance`.
-        evidence: samples, admissible, local_optima, restarts, spread, certificate; for an
-            infeasible joint `nearest`, the nearest feasible value and where it is attained.
+        offset: (3,) m, of the contact in the joint's frame.
+        links_inertia: kg, that of the links alone, where `inertia` is what a model of the drives
+            shows at the best configuration of the links; else None.
+        evidence: samples, admissible, local_optima, restarts, spread, agreeing, certificate.
     """
 
     joint: int
-    feasible: bool
+    feasible: Literal[True] = field(default=True, init=False)
     reason: str
-    q: Array | None = None
-    position_error: float | None = None
-    inertia: float | None = None
-    speed: float | None = None
-    straight_speed: float | None = None
-    flux: float | None = None
-    straight_flux: float | None = None
-    away: bool | None = None
-    away_gap: float | None = None
+    q: Array
+    position_error: float | None
+    inertia: float
+    speed: float
+    straight_speed: float
+    flux: float
+    straight_flux: float
+    deliverable_flux: float | None
+    deliverable_reason: str | None
+    away: bool
+    away_gap: float
     clearance: dict[str, Any] | None = None
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    links_inertia: float | None = None
     evidence: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the attributes by name, arrays as lists."""
         return {item.name: plain(getattr(self, item.name)) for item in fields(self)}
+
+
+@dataclass(frozen=True, eq=False)
+class Refusal:
+    """A hitting joint that cannot do it, with the reason. Quantities of a hit are None.
+
+    Attributes:
+        joint: 1-based.
+        feasible: False.
+        reason: why it cannot.
+        position_error: m, the closest found, if that is what is in the way.
+        offset: (3,) m, of the contact in the joint's frame.
+        evidence: certified, and `nearest`, the nearest feasible value and where it is attained.
+    """
+
+    q: ClassVar[None] = None
+    inertia: ClassVar[None] = None
+    speed: ClassVar[None] = None
+    straight_speed: ClassVar[None] = None
+    flux: ClassVar[None] = None
+    straight_flux: ClassVar[None] = None
+    deliverable_flux: ClassVar[None] = None
+    deliverable_reason: ClassVar[None] = None
+    away: ClassVar[None] = None
+    away_gap: ClassVar[None] = None
+    clearance: ClassVar[None] = None
+    links_inertia: ClassVar[None] = None
+
+    joint: int
+    feasible: Literal[False] = field(default=False, init=False)
+    reason: str
+    position_error: float | None = None
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    evidence: dict[str, Any] = field(default_factory=dict, repr=False)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the attributes by the names of a candidate's."""
+        return {item.name: plain(getattr(self, item.name)) for item in fields(Candidate)}
+
+
+Verdict = Candidate | Refusal
 
 
 def plain(value: Any) -> Any:
@@ -69,38 +123,47 @@ def plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-def away_gap(hit: Hit, q: Array) -> float:
+def away_gap(task: Task, q: Array) -> float:
     """Return h . (chi_{k+1} - chi_k), m."""
-    origin = type(hit.contact)(hit.contact.joint)
-    ends = position(hit.robot, q, hit.beyond) - position(hit.robot, q, origin)
-    return float(hit.direction @ ends)
+    origin = type(task.contact)(task.contact.joint)
+    ends = position(task.robot, q, task.beyond) - position(task.robot, q, origin)
+    return float(task.direction @ ends)
 
 
-def measure(hit: Hit, q: Array) -> dict[str, Any]:
+def measure(task: Task, q: Array) -> dict[str, Any]:
     """Return the quantities of a hit at one configuration, by Pinocchio and the certified programs.
 
     Raises:
         SolverError: the configuration does not do what was asked.
     """
-    robot, h = hit.robot, hit.direction
-    inertia = inertia_along(robot, q, hit.contact, h)
-    speed, straight = (hitting_speed(robot, q, hit.contact, h, straight=s) for s in (False, True))
+    robot, h = task.robot, task.direction
+    inertia = inertia_along(robot, q, task.contact, h)
+    speed, straight = (hitting_speed(robot, q, task.contact, h, straight=s) for s in (False, True))
     straight = max(straight, 0.0)
-    gap = away_gap(hit, q)
+    deliverable, unknown = None, None
+    if robot.acceleration is None:
+        unknown = f"the acceleration limits of {robot.name} are not known"
+    else:
+        fastest = deliverable_speed(robot, q, task.contact, h)
+        deliverable = hitting_flux(inertia, task.mass, fastest)
+    gap = away_gap(task, q)
     error = None
-    if hit.position is not None:
-        error = float(np.linalg.norm(position(robot, q, hit.contact) - hit.position))
+    if task.target is not None:
+        error = float(np.linalg.norm(position(robot, q, task.contact) - task.target))
     outside = (q < robot.lower) | (q > robot.upper)
-    if outside.any() or (error or 0.0) > NEAREST_POSITION or (hit.away and gap >= 0):
-        raise SolverError(f"joint {hit.contact.joint}: the planned configuration is not admissible")
+    if outside.any() or (error or 0.0) > NEAREST_POSITION or (task.away and gap >= 0):
+        name = f"joint {task.contact.joint}"
+        raise SolverError(f"{name}: the planned configuration is not admissible")
     return {
         "q": q,
         "position_error": error,
         "inertia": inertia,
         "speed": speed,
         "straight_speed": straight,
-        "flux": hitting_flux(inertia, hit.mass, speed),
-        "straight_flux": hitting_flux(inertia, hit.mass, straight),
+        "flux": hitting_flux(inertia, task.mass, speed),
+        "straight_flux": hitting_flux(inertia, task.mass, straight),
+        "deliverable_flux": deliverable,
+        "deliverable_reason": unknown,
         "away": gap < 0,
         "away_gap": gap,
     }

@@ -10,9 +10,12 @@ import numpy as np
 
 from hitjoints.dynamics.kinematics import position
 from hitjoints.kernels.ik import TOLERANCE
-from hitjoints.planning.candidates import Candidate, evidence_of, measure
+from hitjoints.planning.candidates import Candidate, Refusal, Verdict, evidence_of, measure
+from hitjoints.planning.objectives.farthest_away import FarthestAway
 from hitjoints.planning.objectives.freedom import blind_slack
-from hitjoints.planning.objectives.hit_problem import FLUX_MARGIN, Hit, HitProblem
+from hitjoints.planning.objectives.hit_problem import FLUX_MARGIN, HitProblem
+from hitjoints.planning.objectives.most_flux import MostDeliverable, MostFlux
+from hitjoints.planning.objectives.most_inertia import MostInertia
 from hitjoints.planning.proof import infeasible
 from hitjoints.planning.proof.certificate import certify
 from hitjoints.planning.search.climb import ON_MANIFOLD
@@ -24,6 +27,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hitjoints.kernels import Placement
+    from hitjoints.planning.request import Request
+    from hitjoints.planning.task import Task
 
     Array = NDArray[np.float64]
 
@@ -34,62 +39,58 @@ MOST_ASKED = 2000
 """Configurations shown to `accept` per joint before giving up."""
 
 
-def plan_joint(
-    hit: Hit,
-    objective: str,
-    flux: float | None,
-    seed: int,
-    certificate: bool,
-    accept: Callable[[Array], bool] | None,
-    hints: Array | None = None,
-) -> Candidate:
-    """Return the best configuration for a hit, with evidence, or the reason why there is none.
+def plan_joint(task: Task, request: Request) -> Verdict:
+    """Return the best configuration for a task, with evidence, or the reason why there is none.
 
-    Arguments and errors as `plan`.
+    Raises:
+        SolverError: a configuration found failed the final check.
     """
-    assert hit.position is not None
-    if not infeasible.movers(hit):
-        return infeasible.fixed(hit)
-    probe = place_joint(hit.robot, hit.contact, np.tile(hit.position, (64, 1)), seed)
-    placed = probe.q[probe.solved | (probe.error <= blind_slack(hit.robot, hit.contact))]
+    assert task.target is not None
+    if not infeasible.movers(task):
+        return infeasible.fixed(task)
+    probe = place_joint(task.robot, task.contact, np.tile(task.target, (64, 1)), request.seed)
+    placed = probe.q[probe.solved | (probe.error <= blind_slack(task.robot, task.contact))]
     if not len(placed):
-        return infeasible.unreachable(hit, probe, certificate)
-    asked, hit = hit, _within_reach(hit, probe)
-    sampler = Sampler(hit, hit.robot.lower, hit.robot.upper)
-    problem = HitProblem(hit, "inertia" if objective == "rebound" else objective, flux=flux)
-    if flux is None:
-        found = search(problem, sampler, seed, _admissible(problem, hints))
+        return infeasible.unreachable(task, probe, request.certificate)
+    near = _within_reach(task, probe)
+    sampler = Sampler(near, task.robot.lower, task.robot.upper)
+    problem = HitProblem(
+        near, request.objective, flux=request.flux, deliverable=request.deliverable
+    )
+    if request.flux is None:
+        found = search(problem, sampler, request.seed, _admissible(problem, request.hints))
         refusal = None
     else:
-        found, refusal = _search_with_flux(hit, problem, sampler, seed)
+        found, refusal = _search_with_flux(near, problem, sampler, request.seed)
     if refusal is None and not found.value.size:
-        found, refusal = _second_try(hit, problem, sampler, seed, placed, certificate)
+        found, refusal = _second_try(problem, sampler, placed, request)
     if refusal is not None:
         return refusal
-    q = _accepted(found, problem.n, accept)
+    q = _accepted(found, problem.n, request.accept)
     if q is None:
         reason = (
             f"none of the {min(MOST_ASKED, len(found.x) + len(found.screened))} best "
-            f"configurations of joint {hit.contact.joint} is accepted"
+            f"configurations of joint {task.contact.joint} is accepted"
         )
-        return Candidate(hit.contact.joint, False, reason, evidence=evidence_of(found))
-    q = hit.robot.nearest_turn(q)
+        return Refusal(task.contact.joint, reason, evidence=evidence_of(found))
+    if problem.room is None:  # else the turn tells how much room there is to stop
+        q = task.robot.nearest_turn(q)
     evidence = evidence_of(found)
-    if certificate and accept is None:
-        evidence["certificate"] = certify(hit, q).as_dict()
-    return Candidate(hit.contact.joint, True, "", **measure(asked, q), evidence=evidence)
+    if request.certificate and request.accept is None:
+        evidence["certificate"] = certify(near, q).as_dict()
+    return Candidate(task.contact.joint, "", **measure(task, q), evidence=evidence)
 
 
-def _within_reach(hit: Hit, probe: Placement) -> Hit:
-    """Return the hit at what can be met exactly.
+def _within_reach(task: Task, probe: Placement) -> Task:
+    """Return the task at what can be met exactly.
 
     At the edge of reach an object may lie a hair's breadth beyond it: near enough for what inverse
     kinematics promises, but no search could keep to it.
     """
     nearest = int(np.argmin(probe.error))
     if not ON_MANIFOLD < probe.error[nearest] <= TOLERANCE:
-        return hit
-    return replace(hit, position=position(hit.robot, probe.q[nearest], hit.contact))
+        return task
+    return replace(task, target=position(task.robot, probe.q[nearest], task.contact))
 
 
 def _admissible(problem: HitProblem, hints: Array | None) -> list[Array]:
@@ -100,16 +101,18 @@ def _admissible(problem: HitProblem, hints: Array | None) -> list[Array]:
 
 
 def _search_with_flux(
-    hit: Hit, problem: HitProblem, sampler: Sampler, seed: int
-) -> tuple[Found, Candidate | None]:
+    task: Task, problem: HitProblem, sampler: Sampler, seed: int
+) -> tuple[Found, Refusal | None]:
     """Search where a flux is reached, from where most is: random samples seldom reach it."""
     assert problem.flux is not None
-    hardest = search(HitProblem(hit, "flux"), sampler, seed)
+    greatest = MostDeliverable() if problem.deliverable else MostFlux()
+    hardest = search(HitProblem(task, greatest), sampler, seed)
     if not hardest.value.size:
         return hardest, None
     most = float(np.exp(hardest.value[0]))
     if problem.flux * (1 - EQUAL) > most:
-        return hardest, infeasible.short_of_flux(hit, problem.flux, hardest)
+        short = infeasible.short_of_flux(task, problem.flux, hardest, problem.deliverable)
+        return hardest, short
     problem.flux = min(problem.flux, most * (1 - 4 * FLUX_MARGIN))
     able = [part[problem.screen(part)[1] == 0] for part in hardest.by_group]
     if not any(map(len, able)):
@@ -118,24 +121,26 @@ def _search_with_flux(
 
 
 def _second_try(
-    hit: Hit, problem: HitProblem, sampler: Sampler, seed: int, placed: Array, prove: bool
-) -> tuple[Found, Candidate | None]:
+    problem: HitProblem, sampler: Sampler, placed: Array, request: Request
+) -> tuple[Found, Refusal | None]:
     """Look for what stands in the way of a search that found nothing.
 
     Returns:
         A new search from where nothing does, or the reason why there is no such place.
     """
-    free = HitProblem(replace(hit, away=False), "inertia")
+    task = problem.task
+    free = HitProblem(replace(task, away=False), MostInertia())
     pointing = None
-    if hit.away and np.isfinite(free.screen(placed)[0]).any():
-        pointing = search(HitProblem(hit, "away"), sampler, seed)
+    if task.away and np.isfinite(free.screen(placed)[0]).any():
+        pointing = search(HitProblem(task, FarthestAway()), sampler, request.seed)
         if not infeasible.points_away(pointing):
-            return pointing, infeasible.pointed_at(hit, pointing, placed, prove)
-        found = search(problem, sampler, seed, pointing.by_group)
+            no = infeasible.pointed_at(task, pointing, placed, request.certificate)
+            return pointing, no
+        found = search(problem, sampler, request.seed, pointing.by_group)
         if found.value.size:
             return found, None
     q = placed[0] if pointing is None else pointing.x[0]
-    return Found.nothing(), infeasible.immobile(hit, q)
+    return Found.nothing(), infeasible.immobile(task, q)
 
 
 def _accepted(found: Found, n: int, accept: Callable[[Array], bool] | None) -> Array | None:

@@ -9,14 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.errors import InputError, UnknownNameError
-from hitjoints.hit import check_flux
+from hitjoints.errors import InputError
+from hitjoints.hit import Hit, check_flux
+from hitjoints.hitting.drive_limits import drive_limits
 from hitjoints.impact.collision import required_speed
-from hitjoints.planning.candidates import Candidate, plain
+from hitjoints.planning.candidates import Candidate, Verdict, plain
 from hitjoints.planning.joint_plan import plan_joint
-from hitjoints.planning.objectives.hit_problem import OBJECTIVES, Hit
+from hitjoints.planning.objectives.registry import objective_named
+from hitjoints.planning.real_arm import Drives
+from hitjoints.planning.request import Request
 from hitjoints.planning.room.surroundings import Surroundings
 from hitjoints.planning.start import Start, fastest_start, plan_start
+from hitjoints.planning.task import Task
 from hitjoints.planning.torque_cost import TorqueCost, torque_cost
 from hitjoints.vectors import points, unit
 
@@ -27,14 +31,6 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-RANKED_BY = {
-    "inertia": "inertia",
-    "flux": "flux",
-    "straight-flux": "straight_flux",
-    "rebound": "inertia",
-}
-"""The quantity that tells which joint is best: least rebound for a given flux is most inertia."""
-
 
 @dataclass(frozen=True, eq=False)
 class Plan:
@@ -44,10 +40,12 @@ class Plan:
         robot: name.
         position: (3,) m. direction: (3,) unit. mass: kg.
         objective: what is best. flux: m/s demanded, if any.
+        deliverable: that flux is demanded of a motion from rest to rest; else of Eq. 9's speed.
         best: None if no joint can do it.
         candidates: in the order of the joints asked for.
         start: of the best hit, if it was asked for.
         torque_costs: of every candidate that can do it, if torque limits were asked for.
+        impact: model of the arm's drives.
     """
 
     robot: str
@@ -57,9 +55,11 @@ class Plan:
     objective: str
     flux: float | None
     best: Candidate | None
-    candidates: tuple[Candidate, ...]
+    candidates: tuple[Verdict, ...]
     start: Start | None = None
     torque_costs: tuple[TorqueCost, ...] = ()
+    deliverable: bool = False
+    impact: str = "rigid"
 
     @property
     def summary(self) -> str:
@@ -72,6 +72,10 @@ class Plan:
         ]
         return "; ".join(parts)
 
+    @property
+    def _flux_by(self) -> str:
+        return "deliverable" if self.deliverable else "speed"
+
     def as_dict(self) -> dict[str, Any]:
         """Return the answer as JSON knows it."""
         return {
@@ -80,7 +84,9 @@ class Plan:
             "direction": plain(self.direction),
             "mass": self.mass,
             "objective": self.objective,
+            "impact": self.impact,
             "required_flux": self.flux,
+            "flux_by": None if self.flux is None else self._flux_by,
             "feasible": self.best is not None,
             "summary": self.summary,
             "best": None if self.best is None else self.best.as_dict(),
@@ -106,6 +112,8 @@ def plan(
     start: bool = False,
     hints: Mapping[int, ArrayLike] | None = None,
     torque_limits: bool = False,
+    deliverable: bool = False,
+    drives: Drives | None = None,
 ) -> Plan:
     """Choose the joint and the configuration for a hit.
 
@@ -116,9 +124,12 @@ def plan(
         mass: of the object, kg.
         joints: hitting joints (or contacts); the robot's own when not given.
         objective: "inertia" (Eq. 14), "flux" (Eq. 10 with the speed of Eq. 9), "straight-flux"
-            (the same for motion exactly along the direction), or "rebound" (the least Eq. 11
+            (the same for motion exactly along the direction), "deliverable" (the same for a motion
+            that comes from rest and stops within the arm's limits), or "rebound" (the least Eq. 11
             among the configurations that can reach `flux`: the greatest inertia among them).
         flux: m/s that the hit must be able to reach (Eq. 10); "rebound" needs one.
+        deliverable: `flux` has to be deliverable in the sense above; the arm's acceleration limits
+            have to be known.
         away: demand h . (chi_{k+1} - chi_k) < 0 (Eq. 14), by a margin of 1e-6 m.
         seed: of the samples; the optimum does not depend on it.
         certificate: bound every candidate's inertia over the joints beyond the contact, and
@@ -129,6 +140,9 @@ def plan(
         hints: configurations (M, n) rad by joint to search from as well, with the contact at the
             object, such as `Feasibility.propose` gives; not used when there is a `flux`.
         start: plan the start of the best hit too: for `flux`, or the fastest there is.
+        drives: model of the arm's drives: the inertia, and what follows from it, is then what the
+            arm shows in a hit. "rotor" is exact; by "composite" and "elastic" each joint's best
+            configuration of the links alone is ranked again.
         torque_limits: the start is one from rest, with the way that the motors need; and for every
             joint find what torque limits cost.
 
@@ -136,13 +150,14 @@ def plan(
         A candidate per joint, feasible or with the reason why not, and the best.
 
     Raises:
-        InputError: an argument cannot be used.
+        InputError: an argument cannot be used, or acceleration limits are needed and not known.
         SolverError: a configuration found failed the final check.
     """
-    if objective not in OBJECTIVES:
-        raise UnknownNameError("objective", objective, OBJECTIVES)
-    if objective == "rebound" and flux is None:
-        raise InputError("flux", flux, "rebound needs the flux to be reached (m/s)")
+    wanted = objective_named(objective)
+    drives = drives or Drives()
+    robot = drives.arm(robot)
+    if wanted.needs_flux and flux is None:
+        raise InputError("flux", flux, f"{objective} needs the flux to be reached (m/s)")
     if flux is not None:
         check_flux(flux)
     if not (math.isfinite(mass) and mass > 0):
@@ -154,60 +169,77 @@ def plan(
     for name, vector in (("position", target), ("direction", h)):
         if vector.shape != (3,):
             raise InputError(name, f"shape {vector.shape}", "three numbers x,y,z")
-    hits = [Hit(robot, contact, h, float(mass), target, away) for contact in contacts]
+    along = np.asarray(direction, dtype=float)  # normalised once, by the hit
+    tasks = [Task(robot, Hit(c, target, along, mass), target, away) for c in contacts]
+    request = Request(wanted, flux, deliverable and flux is not None, seed, certificate)
+    if wanted.stopping or request.deliverable:
+        drive_limits(robot)  # are they known?
     found = []
-    for hit in hits:
-        demands = _demands(hit, accept, surroundings)
-        near = None if hints is None else hints.get(hit.contact.joint)
+    for task in tasks:
+        near = None if hints is None else hints.get(task.contact.joint)
         near = None if near is None else np.atleast_2d(robot.configuration(near, "hints"))
-        one = plan_joint(hit, objective, flux, seed, certificate, demands, near)
+        demands = _demands(task, accept, surroundings)
+        one = plan_joint(task, replace(request, accept=demands, hints=near))
         if one.q is not None and surroundings is not None:
-            one = replace(one, clearance=surroundings.report(robot, one.q, hit.contact, h))
-        found.append(one)
-    best, candidates = _compare(found, RANKED_BY[objective])
+            one = replace(one, clearance=surroundings.report(robot, one.q, task.contact, h))
+        if one.feasible and drives.ranks_again:
+            one = drives.shown(task, one)
+        found.append(replace(one, offset=task.contact.offset))
+    best, candidates = _compare(found, wanted.ranked_by)
     begin = None
     if start and best is not None:
-        chosen = next(hit for hit in hits if hit.contact.joint == best.joint)
+        chosen = next(task for task in tasks if _is_of(task, best))
         begin = _start(chosen, best, flux, torque_limits)
     costs = tuple(
-        torque_cost(robot, one.q, hit.contact, h, mass)
-        for one, hit in zip(candidates, hits, strict=True)
+        torque_cost(robot, one.q, task.contact, h, mass)
+        for one, task in zip(candidates, tasks, strict=True)
         if torque_limits and one.q is not None
     )
-    return Plan(robot.name, target, h, float(mass), objective, flux, best, candidates, begin, costs)
+    return Plan(
+        robot.name,
+        target,
+        h,
+        float(mass),
+        objective,
+        flux,
+        best,
+        candidates,
+        begin,
+        costs,
+        request.deliverable,
+        drives.model,
+    )
 
 
 def _demands(
-    hit: Hit, accept: Callable[[Array], bool] | None, surroundings: Surroundings | None
+    task: Task, accept: Callable[[Array], bool] | None, surroundings: Surroundings | None
 ) -> Callable[[Array], bool] | None:
     """Return what a configuration must satisfy beyond the planning problem, if anything."""
     if surroundings is None or surroundings.margin is None:
         return accept
 
     def both(q: Array) -> bool:
-        room = surroundings.leave_room(hit.robot, q, hit.contact, hit.direction)
+        room = surroundings.leave_room(task.robot, q, task.contact, task.direction)
         return room and (accept is None or accept(q))
 
     return both
 
 
-def _start(hit: Hit, best: Candidate, flux: float | None, torque_limits: bool) -> Start:
+def _start(task: Task, best: Candidate, flux: float | None, torque_limits: bool) -> Start:
     """Return the start of the best hit."""
-    assert best.q is not None
-    assert best.inertia is not None
     if flux is None:
         return fastest_start(
-            hit.robot, best.q, hit.contact, hit.direction, torque_limits=torque_limits
+            task.robot, best.q, task.contact, task.direction, torque_limits=torque_limits
         )
-    speed = required_speed(best.inertia, hit.mass, flux)
+    speed = required_speed(best.inertia, task.mass, flux)
     return plan_start(
-        hit.robot, best.q, hit.contact, hit.direction, speed, torque_limits=torque_limits
+        task.robot, best.q, task.contact, task.direction, speed, torque_limits=torque_limits
     )
 
 
 def _compare(
-    found: Sequence[Candidate], quantity: str
-) -> tuple[Candidate | None, tuple[Candidate, ...]]:
+    found: Sequence[Verdict], quantity: str
+) -> tuple[Candidate | None, tuple[Verdict, ...]]:
     """Return the best candidate, and all with the reason why they are not it."""
     able = [one for one in found if one.feasible]
     if not able:
@@ -215,16 +247,19 @@ def _compare(
     winner = max(able, key=lambda one: float(getattr(one, quantity)))
     most = float(getattr(winner, quantity))
     word = quantity.replace("_", " ")
-    best: Candidate | None = None
-    said = []
+    praise = f"the most {word}" if len(found) > 1 else "the only joint asked for"
+    best = replace(winner, reason=praise)
+    said: list[Verdict] = []
     for one in found:
-        if one.feasible:
-            less = 100 * (1.0 - float(getattr(one, quantity)) / most)
-            reason = f"{less:.2g} % less {word} than joint {winner.joint}"
-            if one is winner:
-                reason = f"the most {word}" if len(found) > 1 else "the only joint asked for"
-            said.append(replace(one, reason=reason))
+        if one is winner:
+            said.append(best)
+        elif one.feasible:
+            less = 100 * (1.0 - float(getattr(one, quantity)) / most) if most > 0 else 0.0
+            said.append(replace(one, reason=f"{less:.2g} % less {word} than joint {winner.joint}"))
         else:
             said.append(one)
-        best = said[-1] if one is winner else best
     return best, tuple(said)
+
+
+def _is_of(task: Task, one: Verdict) -> bool:
+    return (task.contact.joint, task.contact.offset) == (one.joint, one.offset)

@@ -7,15 +7,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InfeasibleError
+from hitjoints.hit import Hit
 from hitjoints.model.robot import Contact
 from hitjoints.planning.candidates import evidence_of, measure, plain
-from hitjoints.planning.objectives.hit_problem import Hit, HitProblem
+from hitjoints.planning.objectives.farthest_away import FarthestAway
+from hitjoints.planning.objectives.hit_problem import HitProblem
+from hitjoints.planning.objectives.most_inertia import MostInertia
 from hitjoints.planning.proof import infeasible
 from hitjoints.planning.proof.certificate import certify
 from hitjoints.planning.search.groups import search
 from hitjoints.planning.search.sampler import Sampler
-from hitjoints.vectors import unit
+from hitjoints.planning.task import Task
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -77,26 +81,29 @@ def posture(
             direction.
     """
     contact = Contact(robot.contact(joint).joint)
-    given, h = robot.within_limits(q), unit(direction)
+    given = robot.within_limits(q)
     moving = np.arange(robot.n) >= contact.joint - 1
     lower, upper = np.where(moving, robot.lower, given), np.where(moving, robot.upper, given)
-    hit = Hit(robot, contact, h, 1.0, None, away)
-    problem = HitProblem(hit, "inertia", lower=lower, upper=upper)
-    sampler = Sampler(hit, lower, upper)
+    hit = Hit(contact, position(robot, given, contact), np.asarray(direction, float), 1.0)
+    task = Task(robot, hit, None, away)
+    problem = HitProblem(task, MostInertia(), lower=lower, upper=upper)
+    sampler = Sampler(task, lower, upper)
     found = search(problem, sampler, seed)
     if not found.value.size:
         if np.isnan(problem.screen(given[None])[0]).all():
-            refusal = infeasible.immobile(hit, given)
+            refusal = infeasible.immobile(task, given)
         else:
-            pointing = search(HitProblem(hit, "away", lower=lower, upper=upper), sampler, seed)
-            refusal = infeasible.pointed_at(hit, pointing, given[None], prove=False)
+            pointing = search(
+                HitProblem(task, FarthestAway(), lower=lower, upper=upper), sampler, seed
+            )
+            refusal = infeasible.pointed_at(task, pointing, given[None], prove=False)
         raise InfeasibleError(refusal.reason, {"joint": contact.joint, **refusal.evidence})
     chosen = np.array(found.x[0])
     chosen[contact.joint - 1 :] = robot.nearest_turn(chosen)[contact.joint - 1 :]
-    measured = measure(hit, chosen)
+    measured = measure(task, chosen)
     evidence = evidence_of(found)
     if certificate:
         beyond = tuple(range(contact.joint, robot.n + 1))
-        evidence["certificate"] = certify(hit, chosen, beyond).as_dict()
+        evidence["certificate"] = certify(task, chosen, beyond).as_dict()
     kept = {name: measured[name] for name in ("q", "inertia", "away", "away_gap")}
     return Posture(contact.joint, evidence=evidence, **kept)

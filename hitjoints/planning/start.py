@@ -137,7 +137,7 @@ def plan_start(
         path=path,
         times=np.linspace(0.0, interval * (len(path) - 1), len(path)),
         lateral_miss=miss,
-        velocity_ratio_max=_velocity_ratio(robot, np.diff(path, axis=0) / interval),
+        velocity_ratio_max=robot.velocity_ratio(np.diff(path, axis=0) / interval),
         feasible=not reason,
         reason=reason,
     )
@@ -182,6 +182,9 @@ def fastest_start(
     contact, q, h = robot.contact(contact), robot.within_limits(q), unit(direction)
     limits = robot.velocity_lower, robot.velocity_upper
     top = solve_hitting_speed(jacobian(robot, q, contact), h, *limits, straight=True).speed
+    if not robot.velocity_upper.any():
+        lack = "every velocity limit is zero or missing, so that no joint moves"
+        raise InfeasibleError(f"{robot.name}: {lack}; a TOML may give velocity = [...] (rad/s)")
     if not top > 0:
         raise InfeasibleError(f"joint {contact.joint} cannot move straight along the direction")
     for share in SHARES:
@@ -288,12 +291,6 @@ def _obstacle(robot: Robot, q: Array, contact: Contact, h: Array, speed: float, 
         f"the velocity limits let the contact move straight along the direction at {most} m/s "
         f"at most there, too little to go on at {wish} m/s"
     )
-
-
-def _velocity_ratio(robot: Robot, qd: Array) -> float:
-    limit = np.where(qd > 0, robot.velocity_upper, -robot.velocity_lower)
-    moving = np.abs(qd) > 0
-    return float(np.max(np.abs(qd[moving]) / limit[moving], initial=0.0))
 
 
 def _positive(name: str, value: float) -> float:

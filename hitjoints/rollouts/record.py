@@ -80,10 +80,7 @@ class Rollout:
     @property
     def velocity_ratio_max(self) -> float:
         """Greatest |qd| in units of its limit; at most 1."""
-        qd = self.rows["qd"]
-        limit = np.where(qd > 0, self.robot.velocity_upper, -self.robot.velocity_lower)
-        moving = qd != 0
-        return float(np.max(np.abs(qd[moving]) / limit[moving], initial=0.0))
+        return self.robot.velocity_ratio(self.rows["qd"])
 
     @property
     def position_violation_max(self) -> float:

@@ -29,7 +29,6 @@ def draw_plan(
     from hitjoints.show.drawn_arm import draw_arm
 
     assert plan.best is not None
-    assert plan.best.q is not None
     figure = Figure(figsize=(10, 5), layout="constrained")
     scene = figure.add_subplot(1, 2, 1, projection="3d")
     draw_arm(

@@ -16,7 +16,7 @@ from hitjoints.swings.ramps import Progress, Ramp, least_time, ramp_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.swings.drive_limits import DriveLimits
+    from hitjoints.hitting.drive_limits import DriveLimits
 
     Array = NDArray[np.float64]
 

@@ -7,17 +7,18 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from hitjoints.built import kernel_for
 from hitjoints.errors import InfeasibleError
+from hitjoints.hitting.velocity_box import velocity_box
 from hitjoints.planning.objectives.straight import straight_velocities
-from hitjoints.quantities import kernel_for, place_joint
-from hitjoints.swings.velocity_box import velocity_box
+from hitjoints.quantities import place_joint
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hitjoints.hit import Hit
+    from hitjoints.hitting.drive_limits import DriveLimits
     from hitjoints.model.robot import Robot
-    from hitjoints.swings.drive_limits import DriveLimits
 
     Array = NDArray[np.float64]
 

@@ -6,8 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 from hitjoints.errors import InputError
+from hitjoints.hitting.drive_limits import drive_limits
 from hitjoints.swings.clear_way import Room
-from hitjoints.swings.drive_limits import drive_limits
 from hitjoints.swings.swing_search import SwingSearch
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ import pinocchio as pin
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from hitjoints.hitting.drive_limits import DriveLimits
     from hitjoints.model.robot import Robot
     from hitjoints.swings.curves import Joints
-    from hitjoints.swings.drive_limits import DriveLimits
 
     Array = NDArray[np.float64]
 

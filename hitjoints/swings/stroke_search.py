@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from hitjoints.quantities import kernel_for, place_joint
+from hitjoints.built import kernel_for
+from hitjoints.quantities import place_joint
 from hitjoints.swings.clear_way import Obstacle, Room
 from hitjoints.swings.curves import Joints, Stroke, winding_up
 from hitjoints.swings.hit_samples import COAST
@@ -19,8 +20,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hitjoints.hit import Hit
+    from hitjoints.hitting.drive_limits import DriveLimits
     from hitjoints.model.robot import Robot
-    from hitjoints.swings.drive_limits import DriveLimits
 
     Array = NDArray[np.float64]
 

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hitjoints.hit import Hit
+    from hitjoints.hitting.drive_limits import DriveLimits
     from hitjoints.model.robot import Robot
     from hitjoints.swings.curves import Joints, Motion
-    from hitjoints.swings.drive_limits import DriveLimits
 
     Array = NDArray[np.float64]
 

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from hitjoints.hit import Hit
+    from hitjoints.hitting.drive_limits import DriveLimits
     from hitjoints.model.robot import Robot
     from hitjoints.swings.clear_way import Obstacle, Room
-    from hitjoints.swings.drive_limits import DriveLimits
 
     Array = NDArray[np.float64]
 

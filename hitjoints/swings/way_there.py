@@ -14,8 +14,8 @@ from hitjoints.swings.motion_limits import torques
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from hitjoints.hitting.drive_limits import DriveLimits
     from hitjoints.model.robot import Robot
-    from hitjoints.swings.drive_limits import DriveLimits
 
     Array = NDArray[np.float64]
 

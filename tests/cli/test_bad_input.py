@@ -38,6 +38,29 @@ CASES = {
     "descending grid": (["sweep", "workspace", "--x", "1:0:5"], ["x = ", "ascending"]),
     "empty grid": (["sweep", "workspace", "--x", "0:1:0"], ["x = ", "ascending"]),
     "no samples": (["sweep", "workspace", "--samples", "0"], ["samples = 0", "at least 1"]),
+    "too many samples": (
+        ["sweep", "workspace", "--samples", "1000000000"],
+        ["samples = 1000000000", "at most 1000000"],
+    ),
+    "too many angles": (
+        ["sweep", "joint", "--count", "2147483648"],
+        ["count = 2147483648", "at most 1000000"],
+    ),
+    "too long an axis": (
+        ["sweep", "workspace", "--y", "0:1:1000000000"],
+        ["y = 1000000000", "at most 100000"],
+    ),
+    "too large a grid": (
+        ["sweep", "workspace", "--x", "0:1:100000", "--y", "0:1:100000"],
+        ["10000000000 positions", "at most 100000000"],
+    ),
+    "too large for the memory": (
+        ["sweep", "workspace", "--x", "0:1:1000", "--y", "0:1:1000", "--z", "0:1:10"],
+        ["out = ", "4.8 GB", "name a Zarr store"],
+    ),
+    "too many threads": (["sweep", "workspace", "--threads", "9999"], ["threads = 9999", "1024"]),
+    "too large a box": (["simulate", "--size", "1e12,1,0.2"], ["size", "from 0.001 to 10 m"]),
+    "too small a box": (["simulate", "--size", "1e-6,1e-6,1e-6"], ["from 0.001 to 10 m"]),
 }
 
 
@@ -62,6 +85,9 @@ def test_one_line_and_exit_code_1(run, name, as_json):
         ["inspect", "--mass", "heavy"],
         ["inspect", "--no-such-option"],
         ["sweep", "workspace", "--x", "0:1"],
+        ["sweep", "workspace", "--x", "0:inf:2"],
+        ["sweep", "workspace", "--seed", "18446744073709551616"],
+        ["sweep", "joint", "--seed", "-1"],
         ["no-such-command"],
         ["sweep", "joint", "--seed", "18446744073709551616"],
         ["plan", "--seed", "-1"],
@@ -76,7 +102,7 @@ def test_wrong_usage(run, arguments):
 
 @pytest.mark.parametrize(
     ("text", "reason"),
-    [("<robot", "not well-formed XML"), ("<sdf/>", "not a URDF"), (FLOATING, "base floats")],
+    [("<robot", "not well-formed XML"), ("<sdf/>", "it is an SDF"), (FLOATING, "base floats")],
 )
 def test_robot_files(run, tmp_path, text, reason):
     path = tmp_path / "arm.urdf"

@@ -8,12 +8,14 @@ import pinocchio as pin
 import pytest
 
 from hitjoints.dynamics.kinematics import jacobian, position
-from hitjoints.errors import InputError
-from hitjoints.evidence.physics.engine import engine
+from hitjoints.errors import InputError, SolverError
 from hitjoints.evidence.physics.engine_scene import ImpactState, build_scene
 from hitjoints.evidence.physics.setting import Setting, setting
+from hitjoints.evidence.physics.simulation import simulate
 from hitjoints.evidence.physics.slide import slide
 from hitjoints.evidence.physics.strike import strike
+from hitjoints.hit import Hit
+from hitjoints.model.engine import engine
 from hitjoints.model.robot import Contact
 
 MASS = 2.0
@@ -208,3 +210,19 @@ def test_the_engine_writes_no_files_of_its_own(tmp_path, monkeypatch):
     mujoco.mj_step(model, data)
     assert data.warning.number.sum() > 0
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("edges", [(1e-3, 1e-3, 1e-3), (10.0, 10.0, 10.0)])
+def test_the_smallest_and_the_largest_boxes(arm, edges):
+    """At both ends of what is allowed the prediction holds."""
+    result = simulate(arm("iiwa14"), Hit(6, (0.5, 0.3, 0.5), (0, 1, 0), 2.0, 0.3), size=edges)
+    assert abs(result.errors["object_speed"]) < 0.01
+    assert abs(result.errors["inertia"]) < 0.01
+
+
+def test_a_lost_state_is_told(arm):
+    """The engine must not go on from the beginning with a state that is none."""
+    state = np.zeros(7)
+    state[3] = 1.0
+    with pytest.raises(SolverError, match="the engine loses the box"):
+        slide(impact_of(arm("iiwa14")), setting("ideal"), state, np.full(6, 1e300))

@@ -62,7 +62,7 @@ def test_backends_compute_what_python_does(choices):
     results = []
     for run in (NumpyProgram(program), LlvmProgram(program, 3)):
         out = np.empty((len(program.outputs), 9))
-        run(list(rows), out, 0, 9)
+        run.bind(list(rows), out)(0, 9)
         results.append(out)
 
     class Plain:

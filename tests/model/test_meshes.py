@@ -159,16 +159,35 @@ def test_hulls_of_random_clouds_hold_every_point():
         lengths = np.sort(np.linalg.svd(points - points.mean(0), compute_uv=False))
         if lengths[1] < 1e-3 * lengths[2] or lengths[2] < 1e-4:
             continue
-        cloud = coal.BVHModelOBBRSS()
-        cloud.beginModel(0, n)
-        cloud.addVertices(points)
-        cloud.endModel()
-        hull = convex_hull(cloud)
+        hull = convex_hull(cloud_of(points))
         corners = np.array([hull.point(i) for i in range(hull.num_points)])
         for axis in rng.normal(size=(5, 3)):
             support, wanted = (corners @ axis).max(), (points @ axis).max()
             slack = np.linalg.norm(axis) * np.ptp(points, axis=0).max()
             assert -1e-9 * slack < support - wanted < FLAT * slack, (case, kind)
+
+
+def cloud_of(points):
+    cloud = coal.BVHModelOBBRSS()
+    cloud.beginModel(0, len(points))
+    cloud.addVertices(np.asarray(points, float))
+    cloud.endModel()
+    return cloud
+
+
+@pytest.mark.parametrize("corners", [100, 300, 2000])
+def test_round_faces_of_many_corners(corners):
+    angle = np.linspace(0, 2 * np.pi, corners, endpoint=False)
+    rim = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+    hull = convex_hull(cloud_of(np.concatenate([rim, rim + np.eye(3)[2]])))
+    assert hull.num_points == 2 * corners
+    assert distance(hull, (0.2, 0.1, 2)) == pytest.approx(1, abs=1e-8)
+    cone = cloud_of(np.concatenate([rim, [[0, 0, 1.0]]]))
+    if corners > 255:
+        with pytest.raises(MeshError, match="a corner with more than 255 neighbours"):
+            convex_hull(cone)
+    else:
+        assert convex_hull(cone).num_points == corners + 1
 
 
 PACKAGE_LAYOUTS = {

@@ -6,12 +6,13 @@ import sys
 import numpy as np
 import pytest
 
+from hitjoints.built import kernel_for
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InfeasibleError, InputError, MissingExtraError
 from hitjoints.model.robot import Contact
 from hitjoints.planning.learning.feasibility import learn_feasibility, load_feasibility
 from hitjoints.planning.learning.greatest_flux import maximum_flux, random_positions
-from hitjoints.quantities import kernel_for, place_joint
+from hitjoints.quantities import place_joint
 from hitjoints.vectors import unit
 
 SMALL = {"positions": 800, "directions": 4, "samples": 48}

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import hitjoints as hj
-from hitjoints.planning.planner import RANKED_BY, plan
+from hitjoints.planning.objectives.registry import OBJECTIVES as KNOWN
+from hitjoints.planning.planner import plan
 
 POSITION, DIRECTION, MASS = [0.5, 0.3, 0.5], [0, 1, 0], 2.0
 
@@ -61,7 +62,7 @@ def test_the_same_optimum_from_any_seed(arm, name, joint, objective):
     values = [
         getattr(
             quick(arm(name), joints=[joint], objective=objective, flux=flux, seed=seed).best,
-            RANKED_BY[objective],
+            KNOWN[objective].ranked_by,
         )
         for seed in range(4)
     ]
@@ -99,9 +100,9 @@ def test_promises_over_many_plans(arm):
 
 def test_objectives_trade_inertia_for_flux(arm):
     robot = arm("iiwa14")
-    found = {name: quick(robot, joints=[6], objective=name).best for name in list(RANKED_BY)[:3]}
+    found = {name: quick(robot, joints=[6], objective=name).best for name in list(KNOWN)[:3]}
     for name, one in found.items():
-        quantity = RANKED_BY[name]
+        quantity = KNOWN[name].ranked_by
         others = [getattr(other, quantity) for other in found.values()]
         assert getattr(one, quantity) >= max(others) * (1 - 1e-9)
     needed = 0.5 * (found["inertia"].flux + found["flux"].flux)

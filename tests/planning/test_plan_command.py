@@ -76,9 +76,31 @@ def test_bad_input(tmp_path):
 
 
 def test_rebound():
-    found = json.loads(run("--objective", "rebound", "--flux", "0.9", "--json").stdout)
+    options = ("--objective", "rebound", "--json", "--no-certificate")
+    found = json.loads(run(*options, "--flux", "0.9", "--flux-by", "speed").stdout)
     assert found["best"]["flux"] >= 0.9
-    assert found["required_flux"] == 0.9
+    assert (found["required_flux"], found["flux_by"]) == (0.9, "speed")
+    # No motion from rest to rest delivers that; by itself a flux is one that a motion delivers.
+    outcome = run(*options, "--flux", "0.9")
+    assert outcome.exit_code == 3
+    reason = json.loads(outcome.stdout)["candidates"][-1]["reason"]
+    assert "delivers 0.752" in reason
+    found = json.loads(run(*options, "--flux", "0.7").stdout)
+    assert found["best"]["deliverable_flux"] >= 0.7
+    assert found["flux_by"] == "deliverable"
+
+
+def test_where_accelerations_are_not_known_flux_is_by_speed():
+    hit = ("--robot", "xarm7", "--joint", "6", "--no-certificate", "--json")
+    found = json.loads(run(*hit, "--flux", "0.3").stdout)
+    assert found["flux_by"] == "speed"
+    assert found["best"]["deliverable_flux"] is None
+    assert "xarm7 are not known" in found["best"]["deliverable_reason"]
+    for more in (("--objective", "deliverable"), ("--flux", "0.3", "--flux-by", "deliverable")):
+        outcome = run(*hit, *more)
+        assert isinstance(outcome.exception, hj.InputError)
+        assert outcome.exception.argument == "acceleration"
+    assert run(*hit, "--flux", "0.3", "--flux-by", "wish").exit_code != 0
 
 
 def test_plot(tmp_path):

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from tasks import task
 
 import hitjoints as hj
 from hitjoints.model.robot import Contact
-from hitjoints.planning.objectives.hit_problem import Hit
 from hitjoints.planning.planner import plan
 from hitjoints.planning.proof.exclusion import exclude
 
@@ -45,9 +45,9 @@ def test_nothing_that_exists_is_excluded(arm):
     for q in rng.uniform(robot.lower, robot.upper, (10, robot.n)):
         h = hj.position(robot, q, 5) - hj.position(robot, q, 6)
         h /= np.linalg.norm(h)
-        hit = Hit(robot, Contact(5), h, 2.0, hj.position(robot, q, 5), True)
-        assert not exclude(hit, away=True).proved
-        assert not exclude(hit, away=False).proved
+        asked = task(robot, Contact(5), h, 2.0, hj.position(robot, q, 5), True)
+        assert not exclude(asked, away=True).proved
+        assert not exclude(asked, away=False).proved
 
 
 def test_a_joint_that_does_not_move(arm):

@@ -2,16 +2,25 @@
 
 import numpy as np
 import pytest
+from tasks import task
 
 import hitjoints as hj
 from hitjoints.model.robot import Contact
+from hitjoints.planning.objectives.farthest_away import FarthestAway
 from hitjoints.planning.objectives.geometry import Axes, bend
-from hitjoints.planning.objectives.hit_problem import Hit, HitProblem
+from hitjoints.planning.objectives.hit_problem import HitProblem
+from hitjoints.planning.objectives.registry import objective_named
 from hitjoints.planning.objectives.straight import straight_velocities
 from hitjoints.planning.search.climb import climb, feasible, pull_back
 
 H = np.array([0.48, 0.6, 0.64])
 STEP = 1e-6
+
+
+def objective_of(name):
+    return FarthestAway() if name == "away" else objective_named(name)
+
+
 # Central differences: cancellation eps / step, curvature step^2.
 CLOSE = 1e-7
 
@@ -49,9 +58,9 @@ def test_derivatives(arm, urdf, name, objective):
     low, high = np.maximum(robot.lower, -3), np.minimum(robot.upper, 3)
     q = rng.uniform(low, high, (12, robot.n))
     for contact in (Contact(robot.n - 1), Contact(robot.n, (0.03, -0.02, 0.1))):
-        hit = Hit(robot, contact, H, 1.7, np.array([0.4, 0.2, 0.5]), True)
+        asked = task(robot, contact, H, 1.7, np.array([0.4, 0.2, 0.5]), True)
         flux = 0.5 if objective == "inertia" else None
-        problem = HitProblem(hit, objective, flux=flux)
+        problem = HitProblem(asked, objective_of(objective), flux=flux)
         x = problem.start(q)
         if objective == "straight-flux":
             x[:, robot.n :] = rng.uniform(0.1, 1, q.shape) * np.sign(x[:, robot.n :])
@@ -86,8 +95,8 @@ def test_screen_and_evaluate_agree(arm):
     robot = arm("panda")
     q = np.random.default_rng(1).uniform(robot.lower, robot.upper, (50, robot.n))
     for objective in ("inertia", "flux", "straight-flux"):
-        hit = Hit(robot, Contact(7), H, 2.0, None, True)
-        problem = HitProblem(hit, objective)
+        asked = task(robot, Contact(7), H, 2.0, None, True)
+        problem = HitProblem(asked, objective_of(objective))
         value, excess = problem.screen(q)
         now = problem.evaluate(problem.start(q))
         np.testing.assert_allclose(now.value, value, rtol=1e-9)
@@ -113,8 +122,8 @@ def test_straight_velocities_are_the_linear_program(arm):
 def test_pulled_back_onto_the_manifold_and_into_the_bounds(arm):
     robot = arm("iiwa14")
     target = np.array([0.5, 0.3, 0.5])
-    hit = Hit(robot, Contact(6), H, 2.0, target, True)
-    problem = HitProblem(hit, "inertia")
+    asked = task(robot, Contact(6), H, 2.0, target, True)
+    problem = HitProblem(asked, objective_named("inertia"))
     rng = np.random.default_rng(4)
     q = hj.place_joint(robot, 6, np.tile(target, (60, 1))).q
     x, now = pull_back(problem, q + 0.05 * rng.standard_normal(q.shape), steps=10)
@@ -129,7 +138,7 @@ def test_pulled_back_onto_the_manifold_and_into_the_bounds(arm):
 def test_climb_ends_at_a_maximum(arm):
     robot = arm("iiwa14")
     target = np.array([0.5, 0.3, 0.5])
-    problem = HitProblem(Hit(robot, Contact(6), H, 2.0, target, True), "inertia")
+    problem = HitProblem(task(robot, Contact(6), H, 2.0, target, True), objective_named("inertia"))
     placed = hj.place_joint(robot, 6, np.tile(target, (40, 1))).q
     before = problem.screen(placed)
     starts = placed[before[1] == 0]

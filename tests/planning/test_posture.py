@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from tasks import task
 
 import hitjoints as hj
 from hitjoints.model.robot import Contact
-from hitjoints.planning.objectives.hit_problem import Hit
 from hitjoints.planning.posture import posture
 from hitjoints.planning.proof import certificate
 from hitjoints.planning.proof.certificate import certify
@@ -86,12 +86,12 @@ def test_seeds_agree(arm):
 def test_certificate_of_a_poor_posture_says_so(arm, monkeypatch):
     monkeypatch.setattr(certificate, "MOST_BOXES", 300)
     robot = arm("iiwa14")
-    hit = Hit(robot, Contact(5), H, 2.0, None, False)
+    asked = task(robot, Contact(5), H, 2.0, None, False)
     best = posture(robot, Q, 5, H, away=False)
     worse = min(
         (q for q in grid(robot, 5, 9)), key=lambda q: hj.directional_inertia(robot, q, 5, H)
     )
-    claimed = certify(hit, worse, (5, 6, 7))
+    claimed = certify(asked, worse, (5, 6, 7))
     assert not claimed.proved
     assert claimed.upper_bound >= best.inertia
     assert claimed.inertia < 0.99 * best.inertia
@@ -101,9 +101,9 @@ def test_bounds_hold_everywhere(arm):
     robot = arm("panda")
     rng = np.random.default_rng(0)
     q0 = rng.uniform(robot.lower, robot.upper)
-    hit = Hit(robot, Contact(6), H, 2.0, None, True)
+    asked = task(robot, Contact(6), H, 2.0, None, True)
     at = np.array([4, 5, 6])
-    bound = certificate._Bound(hit, q0, at)
+    bound = certificate._Bound(asked, q0, at)
     low = rng.uniform(robot.lower[at], robot.upper[at], (40, 3))
     high = low + rng.uniform(0, 0.8, low.shape)
     upper, admissible, _ = bound(low, high)

@@ -30,7 +30,8 @@ def numbers(text):
 
 
 def test_names():
-    assert list(robot_names()) == sorted(ALL)
+    assert set(robot_names()) > set(ALL)
+    assert len(robot_names()) >= 25
 
 
 @pytest.mark.parametrize("name", ALL)

@@ -131,7 +131,8 @@ def as_mjcf(robot):
             f'<inertial pos="{words(body.lever)}" mass="{body.mass!r}" '
             f'fullinertia="{words(full)}"/>'
             f'<joint name="{name}" axis="{words(axes[i])}" range="-2 2" '
-            f'type="{"slide" if prismatic[i] else "hinge"}" armature="{float(model.armature[i])!r}"/>'
+            f'type="{"slide" if prismatic[i] else "hinge"}" '
+            f'armature="{float(model.armature[i])!r}"/>'
         )
         ends += "</body>"
     return (
@@ -198,6 +199,28 @@ def test_joints_that_an_arm_cannot_have(tmp_path, run, reason):
     told = run("inspect", "--robot", path)
     assert (told.code, told.err.count("\n")) == (1, 1)
     assert reason in told.err
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('mass="2"', 'mass="nan"'),
+        ('mass="1"', 'mass="inf"'),
+        ('pos="0.02 0 0.01"', 'pos="0.02 nan 0.01"'),
+        ('range="-90 90"', 'range="-90 inf"'),
+        ('armature="0.2"', 'armature="nan"'),
+        ('forcerange="-30 20"', 'forcerange="-inf inf"'),
+        ('qpos="0.1 0.2', 'qpos="nan 0.2'),
+        ('qpos="0.1 0.2', 'qpos="9 0.2'),
+    ],
+)
+def test_numbers_that_are_none_are_told_in_a_line(tmp_path, monkeypatch, capfd, old, new):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(hj.ModelError) as error:
+        load_robot(ODD.replace(old, new))
+    assert "\n" not in str(error.value)
+    assert capfd.readouterr() == ("", "")
+    assert not list(tmp_path.iterdir())
 
 
 TEXTS = {

@@ -10,13 +10,13 @@ from scipy.optimize import linprog
 import hitjoints as hj
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InputError
+from hitjoints.hitting.drive_limits import SHAPING, drive_limits
+from hitjoints.hitting.velocity_box import velocity_box
 from hitjoints.swings.clear_way import Room
 from hitjoints.swings.curves import Motion, Rest, Stroke, line_between
-from hitjoints.swings.drive_limits import SHAPING, drive_limits
 from hitjoints.swings.hit_samples import draw, folded, measured
 from hitjoints.swings.impact_state import impact_velocity, straightening
 from hitjoints.swings.ramps import least_time, ramp_of
-from hitjoints.swings.velocity_box import velocity_box
 
 OBJECT, ALONG = np.array([0.5, 0.3, 0.5]), np.array([0.0, 1.0, 0.0])
 

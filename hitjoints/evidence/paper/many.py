@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hitjoints.built import kernel_for
 from hitjoints.model.robot import Contact
 from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN
-from hitjoints.quantities import kernel_for
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

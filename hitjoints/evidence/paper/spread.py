@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hitjoints.built import kernel_for
 from hitjoints.evidence.paper.claim_rows import Item, Values
 from hitjoints.evidence.paper.many import along_the_line, best_postures
 from hitjoints.evidence.paper.scenario import PRINTED, PRINTED_MORE
 from hitjoints.model.robot import Contact
-from hitjoints.quantities import kernel_for, place_joint
+from hitjoints.quantities import place_joint
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.evidence.physics.engine import engine
 from hitjoints.kernels.formulas.chain import joint_axes
+from hitjoints.model.engine import engine
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -9,9 +9,9 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.dynamics.kinematics import jacobian
-from hitjoints.evidence.physics.engine import compiled, engine
 from hitjoints.evidence.physics.engine_arm import add_motors, arm_spec, link_name, quaternion
 from hitjoints.impact.restitution import contact_spring
+from hitjoints.model.engine import compiled, engine
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -129,6 +129,8 @@ def set_options(spec: Any, timestep: float) -> None:
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     option.tolerance, option.iterations = 1e-12, 100
+    # A state that is lost is told, not replaced by the one at the beginning.
+    option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
     option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_DIAGEXACT)
 
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.errors import InfeasibleError, InputError
-from hitjoints.evidence.physics.engine import engine
 from hitjoints.evidence.physics.engine_scene import ImpactState, is_level
 from hitjoints.evidence.physics.setting import Mode, Setting, setting
 from hitjoints.evidence.physics.simulated_hit import Cause, Prediction, Simulation
@@ -16,6 +15,7 @@ from hitjoints.evidence.physics.strike import strike
 from hitjoints.impact.collision import object_speed, rebound
 from hitjoints.impact.elastic import ElasticImpact, elastic_impact
 from hitjoints.impact.rotor import known_rotors, known_stiffness
+from hitjoints.model.engine import engine
 from hitjoints.rollouts.follow import rollout
 from hitjoints.swings.as_rollout import as_rollout
 from hitjoints.swings.swing_record import Swing

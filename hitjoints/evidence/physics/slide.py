@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.errors import SolverError
-from hitjoints.evidence.physics.engine import compiled, engine
 from hitjoints.evidence.physics.engine_scene import add_box, add_table, set_options
+from hitjoints.model.engine import compiled, engine
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -63,9 +63,11 @@ def slide(impact: ImpactState, setting: Setting, qpos: Array, qvel: Array) -> Sl
     data.qpos[:], data.qvel[:] = qpos, qvel
     times, poses, speeds = [0.0], [data.qpos.copy()], [float(h @ data.qvel[:3])]
     while np.abs(data.qvel).max() > AT_REST:
-        if data.time > LONGEST:
+        if len(times) * STEP > LONGEST:
             raise SolverError(f"the box does not come to rest within {LONGEST:g} s")
         mujoco.mj_step(model, data)
+        if not np.isfinite(data.qvel).all():
+            raise SolverError("the engine loses the box while it slides")
         times.append(data.time)
         poses.append(data.qpos.copy())
         speeds.append(float(h @ data.qvel[:3]))

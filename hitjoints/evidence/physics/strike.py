@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from hitjoints.errors import SolverError
-from hitjoints.evidence.physics.engine import engine
 from hitjoints.evidence.physics.engine_scene import ImpactState, build_scene
 from hitjoints.impact import spring_arm
+from hitjoints.model.engine import engine
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -68,7 +68,7 @@ def strike(
         follow: s, until when both are followed at least; the speeds are those of the first parting.
 
     Raises:
-        SolverError: the arm leaves the box before it has touched it.
+        SolverError: the arm does not touch the box, or the engine loses one of them.
     """
     bout = _Bout(robot, impact, setting, reference)
     while bout.now.force == 0:
@@ -85,6 +85,8 @@ def strike(
     while bout.now.time < follow:
         bout.step()
     rebound = parting.robot_speed - approach
+    if not np.isfinite((parting.object_speed, rebound, restitution)).all() or rebound == 0:
+        raise SolverError("the engine loses the arm or the box while they touch")
     return Strike(
         object_speed=parting.object_speed,
         rebound=rebound,

@@ -33,26 +33,111 @@ ROWS_TRIED = 20
 """rows of a recording that the built-in robots are tried on."""
 
 
+STEP_COST = 1e-3
+"""m: a lag that steps has to bring the tool closer by this, summed over the rows; and by"""
+STEP_NOISE = 20.0
+"""times the median distance that a single lag leaves."""
+
+
+class Step(NamedTuple):
+    """The recorder's row from which on the lag is another, and what it is then (rows)."""
+
+    row: int
+    lag: int
+
+
 class Lag(NamedTuple):
     """Rows by which the tool lags, and how far it then is from the model's (m).
 
-    The mean chooses the lag, since in most rows of a recording the arm may stand still; the median
-    tells whether it is the robot's; the greatest is what is left over all rows.
+    A dropped message makes the lag step within a recording.
+
+    Attributes:
+        rows: the lag of most rows.
+        greatest: distance left over all rows.
+        median: likewise; it tells whether the recording is the robot's.
+        steps: where the lag becomes another, the start left out.
+        of_rows: (N,) the lag of each of the recorder's rows, from the first that has a joint's row.
     """
 
     rows: int
     greatest: float
     median: float
-    mean: float
+    steps: tuple[Step, ...]
+    of_rows: NDArray[np.int64]
+
+    def aligned(self, recorded: Array) -> Array:
+        """Return the recorder's rows (N, k) moved to the joints' rows, (M, k).
+
+        Where none belongs to a row of the joints, because the lag steps over it, it is
+        interpolated.
+        """
+        if not self.steps:
+            return recorded[self.rows :]
+        belongs = self._belongs
+        last = np.append(np.diff(belongs) > 0, True)  # of two for one row, the later
+        belongs, kept = belongs[last], recorded[-len(last) :][last]
+        wanted = np.arange(belongs[-1] + 1)
+        columns = kept.reshape(len(kept), -1).T
+        moved = [np.interp(wanted, belongs, column) for column in columns]
+        return np.array(moved).T.reshape(len(wanted), *recorded.shape[1:])
+
+    @property
+    def _belongs(self) -> NDArray[np.int64]:
+        """The joints' row that each of the recorder's belongs to."""
+        return np.asarray(self.of_rows[0] + np.arange(len(self.of_rows)) - self.of_rows)
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """(M,): the joints' rows, as `aligned` has them, that have one of the recorder's."""
+        belongs = self._belongs
+        return np.isin(np.arange(belongs[-1] + 1), belongs)
 
 
 def find_lag(model: Array, recorded: Array) -> Lag:
-    """Return the lag that brings the model's positions (N, 3) closest to the recorded ones."""
-    lags = []
-    for rows in range(min(GREATEST_LAG, len(model) - 2) + 1):
-        apart = np.linalg.norm(model[: len(model) - rows] - recorded[rows:], axis=1)
-        lags.append(Lag(rows, float(apart.max()), float(np.median(apart)), float(apart.mean())))
-    return min(lags, key=lambda lag: lag.mean)
+    """Return the lags that bring the model's positions (N, 3) closest to the recorded ones.
+
+    In most rows of a recording the arm may stand still, and any lag will do: the sum of the
+    distances decides, and a step has its cost.
+    """
+    most = min(GREATEST_LAG, len(model) - 2)
+    rows = np.arange(len(recorded))
+    apart = np.full((len(recorded), most + 1), np.inf)
+    for lag in range(most + 1):
+        apart[lag:, lag] = np.linalg.norm(model[: len(model) - lag] - recorded[lag:], axis=1)
+    single = min(range(most + 1), key=lambda lag: float(apart[lag:, lag].mean()))
+    cost = STEP_COST + STEP_NOISE * float(np.median(apart[single:, single]))
+    if apart[single:, single].sum() <= cost:  # no step can gain what it costs
+        path = np.full(len(recorded), single, dtype=np.int64)
+    else:
+        path = _cheapest(apart, single, cost)
+    first = int(path[0])  # rows before it are older than the joints' first
+    path = path[first:]
+    left = apart[rows[first:], path]
+    changes = np.flatnonzero(np.diff(path)) + 1
+    steps = tuple(Step(first + int(i), int(path[i])) for i in changes)
+    usual = int(np.bincount(path).argmax())
+    return Lag(usual, float(left.max()), float(np.median(left)), steps, path)
+
+
+def _cheapest(apart: Array, single: int, cost: float) -> NDArray[np.int64]:
+    """Return each row's lag (N,): least sum of distances (N, L), with a cost for every step."""
+    count, lags = apart.shape
+    total = apart[lags - 1].copy()
+    came = np.zeros((count, lags), dtype=np.int64)
+    kept = np.arange(lags)
+    for row in range(lags, count):
+        stepped = int(np.argmin(total))
+        better = total[stepped] + cost < total
+        came[row] = np.where(better, stepped, kept)
+        total = np.where(better, total[stepped] + cost, total) + apart[row]
+    path = np.full(count, single, dtype=np.int64)
+    path[-1] = int(np.argmin(total))
+    if total[single] <= total[path[-1]]:
+        path[-1] = single
+    for row in range(count - 1, lags - 1, -1):
+        path[row - 1] = came[row, path[row]]
+    path[: lags - 1] = path[lags - 1]
+    return path
 
 
 def refuse_another_robot(

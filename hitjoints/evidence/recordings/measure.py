@@ -91,6 +91,7 @@ def measure(
         mass_source=source,
         direction=motion.direction.tolist(),
         lag=None if lag is None else lag.rows,
+        lag_steps=None if lag is None else [list(step) for step in lag.steps],
         position_error=None if lag is None else lag.greatest,
         velocity_error=motion.velocity_error,
         contact_time=now - float(motion.clock.time[0]),
@@ -202,6 +203,9 @@ def _recorded(motion: RecordedMotion, blow: Blow, notes: list[str]) -> dict[str,
 def _doubts(motion: RecordedMotion, flux_error: float | None, mass: float) -> list[str]:
     """Return what does not agree with itself, although the recording is this robot's."""
     doubts, lag, velocity = [], motion.lag, motion.velocity_error
+    if lag is not None and lag.steps:
+        steps = ", ".join(f"{step.lag} from row {step.row} on" for step in lag.steps)
+        doubts.append(f"lag: it steps within the recording, {steps}: a message was dropped")
     if lag is not None and lag.greatest > SAME_ROBOT:
         doubts.append(f"position_error: the tool is {lag.greatest:.2g} m off in some rows")
     if velocity is not None and velocity > DOUBTFUL_VELOCITY:
@@ -222,6 +226,8 @@ def _after(
     try:
         line = fits.after(motion.clock, motion.speed, blow.time)
         found["robot_speed_after"] = float(line.at(blow.time + fits.PUSH)[0])
+        start = fits.before(motion.clock, motion.speed, blow.time)
+        found["robot_acceleration"] = float(line.slope[0] + start.slope[0]) / 2
     except RecordingError as error:
         notes.append(f"robot_speed_after: {error}")
     if track is None:
@@ -252,6 +258,9 @@ def _after(
             found |= {"momentum_mass": balance, "momentum_ratio": balance / blow.inertia}
         else:
             notes.append("momentum_mass: the robot is not slower after the contact")
+        unpushed = lost + found["robot_acceleration"] * fits.PUSH
+        if unpushed > 0:
+            found["unpushed_mass"] = blow.mass * glide.speed / unpushed
     return found
 
 

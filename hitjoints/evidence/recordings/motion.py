@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hitjoints.built import kernel_for
 from hitjoints.evidence.recordings.alignment import Lag, find_lag, refuse_another_robot
 from hitjoints.evidence.recordings.csv_table import RecordingError
-from hitjoints.quantities import kernel_for
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,7 +32,7 @@ class RecordedMotion:
         lag: None if the tool's position was not recorded.
         velocity_error: m/s, greatest distance to the recorded velocity; None if not recorded.
         recorded: column -> (M, k), the recorder's quantities moved to the joints' rows: its row
-            i + lag belongs to row i, so M = N - lag.
+            i + lag belongs to row i, so M = N - lag at the end.
     """
 
     clock: Clock
@@ -80,17 +80,17 @@ def model_along(
     quick = kernel_for(robot, (tool,), ("position", "jacobian"))(q, np.array([1.0, 0.0, 0.0]))
     position, jacobian = quick["position"][0], quick["jacobian"][0]
     velocity = np.einsum("nij,nj->ni", jacobian, qd)
-    lag, shift = None, 0
+    lag, recorded = None, dict(recording.recorded)
     if "EEF_Position" in recording.recorded:
         lag = find_lag(position, recording.recorded["EEF_Position"])
         refuse_another_robot(robot, tool.offset, q, recording.recorded["EEF_Position"], lag)
-        shift = lag.rows
-    recorded = {name: values[shift:] for name, values in recording.recorded.items()}
+        recorded = {name: lag.aligned(values) for name, values in recorded.items()}
     h = _nearest_axis(velocity) if direction is None else direction
     felt = kernel_for(robot, (tool,), ("inertia", "gradient"))(q, h)
     error = None
     if "EEF_Velocity" in recorded:
-        apart = velocity[: len(q) - shift] - recorded["EEF_Velocity"]
+        apart = velocity[: len(recorded["EEF_Velocity"])] - recorded["EEF_Velocity"]
+        apart = apart if lag is None else apart[lag.known]
         error = float(np.linalg.norm(apart, axis=1).max())
     return RecordedMotion(
         recording.clock,

@@ -10,6 +10,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from hitjoints.evidence.recordings.shown_mass import ShownMass
+
     Array = NDArray[np.float64]
 
 
@@ -41,7 +43,8 @@ class ReplayedHit:
         reason: why not, or what is missing; empty if all is there.
         mass: kg, of the object. mass_source: given, recorded (what HittingFlux implies) or default.
         direction: hitting direction, robot base frame.
-        lag: rows by which the recorder's quantities lag the joints.
+        lag: rows by which the recorder's quantities lag the joints, in most rows.
+        lag_steps: the recorder's rows from which on the lag is another, each with that lag.
         position_error, velocity_error: m, m/s, greatest distance between model and recording after
             the lag; None if not recorded.
         contact_time: s after the file's first row. contact_source: object (it starts to move) or
@@ -62,6 +65,11 @@ class ReplayedHit:
         assumed_restitution: that of the prediction. predicted_object_speed: m/s.
         momentum_mass: kg, mass object_speed / (robot_speed - robot_speed_after): no inertia of the
             robot, which pushes on during the contact. momentum_ratio: to inertia.
+        robot_acceleration: m/s^2, along the direction, the mean of before the contact and after it:
+            the controller's.
+        unpushed_mass: kg, as momentum_mass, with the speed that this gives the robot meanwhile
+            taken off.
+        shown_mass: by models of the drives; None where they were not asked for.
         travel: m, of the object. came_to_rest: within the recording.
         friction: coefficient of sliding friction.
         series: along the motion; None if there is no contact.
@@ -76,6 +84,7 @@ class ReplayedHit:
     mass_source: str | None = None
     direction: list[float] | None = None
     lag: int | None = None
+    lag_steps: list[list[int]] | None = None
     position_error: float | None = None
     velocity_error: float | None = None
     contact_time: float | None = None
@@ -100,13 +109,16 @@ class ReplayedHit:
     predicted_object_speed: float | None = None
     momentum_mass: float | None = None
     momentum_ratio: float | None = None
+    robot_acceleration: float | None = None
+    unpushed_mass: float | None = None
     travel: float | None = None
     came_to_rest: bool | None = None
     friction: float | None = None
+    shown_mass: ShownMass | None = None
     series: Series | None = field(default=None, repr=False)
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything but the series, as JSON knows it."""
-        return {
-            item.name: getattr(self, item.name) for item in fields(self) if item.name != "series"
-        }
+        kept = [item.name for item in fields(self) if item.name not in ("series", "shown_mass")]
+        told = None if self.shown_mass is None else self.shown_mass.as_dict()
+        return {name: getattr(self, name) for name in kept} | {"shown_mass": told}

@@ -16,6 +16,13 @@ from hitjoints.evidence.recordings.layout import read_robot
 from hitjoints.evidence.recordings.measure import measure, predict
 from hitjoints.evidence.recordings.motion import model_along
 from hitjoints.evidence.recordings.replayed_hit import ReplayedHit
+from hitjoints.evidence.recordings.shown_mass import (
+    CONTACT,
+    FittedStiffness,
+    check_drives,
+    fit_stiffness,
+    with_models,
+)
 from hitjoints.loading.catalogue import robot_names
 from hitjoints.loading.load import load_robot
 from hitjoints.model.robot import Contact, Robot
@@ -42,6 +49,8 @@ REMARKS = {
     "the arm does not have: not to be compared in kilograms",
     "momentum_mass": "mass object_speed / (robot_speed - robot_speed_after) exceeds the inertia, "
     "often severalfold, because the robot pushes on and its speed is filtered: no validation",
+    "unpushed_mass": "the same with the push estimated from the robot's acceleration before the "
+    "contact and after it; the motors behind elastic joints are still in it",
     "predicted_object_speed": "(1 + assumed_restitution) flux",
 }
 
@@ -51,6 +60,11 @@ class Replay:
     """Recorded hits beside the model: `hits`, one per robot's file, in the order of the files."""
 
     hits: tuple[ReplayedHit, ...]
+
+    @cached_property
+    def stiffness(self) -> FittedStiffness | None:
+        """The joints' stiffness that explains the hits best; None where they do not tell."""
+        return fit_stiffness(self.usable)
 
     @property
     def usable(self) -> tuple[ReplayedHit, ...]:
@@ -70,6 +84,7 @@ class Replay:
             "hits": [hit.as_dict() for hit in self.hits],
             "files": len(self.hits),
             "usable": len(self.usable),
+            "stiffness": None if self.stiffness is None else self.stiffness._asdict(),
             "remarks": REMARKS,
         }
 
@@ -82,6 +97,10 @@ def replay(
     mass: float | None = None,
     offset: Sequence[float] = TOOL,
     restitution: float | None = None,
+    impact: bool = False,
+    contact_time: float = CONTACT,
+    stiffness: ArrayLike | None = None,
+    rotor_inertia: ArrayLike | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Replay:
     """Compare recorded hits with the model.
@@ -95,6 +114,11 @@ def replay(
         mass: kg, of the object; None: what the recorded flux implies, else 0.4.
         offset: (3,) m, of the point that hits, in the last joint's frame.
         restitution: of the predicted object speed; None: the median of the other hits.
+        impact: add what models of the drives say of each hit, and the stiffness that fits best.
+        contact_time: s, of the rigid pair, for the elastic model.
+        stiffness: for it, see `elastic_impact`.
+        rotor_inertia: kg m^2, see `impact_inertia`; without it an arm whose rotors are not known
+            has neither "rotor" nor "elastic".
         progress: called with the number of files done, and of all.
 
     Returns:
@@ -111,7 +135,12 @@ def replay(
     h = None if direction is None else unit(direction)
     if h is not None and h.ndim != 1:
         raise InputError("direction", direction, "one direction x,y,z")
-    reader = _Reader(robot, h, mass, Contact(1, tuple(offset)).offset)  # type: ignore[arg-type]
+    check_drives(contact_time, stiffness, rotor_inertia)
+    drives = {
+        "contact_time": contact_time, "stiffness": stiffness, "rotor_inertia": rotor_inertia
+    }  # fmt: skip
+    tool = Contact(1, tuple(offset)).offset  # type: ignore[arg-type]
+    reader = _Reader(robot, h, mass, tool, drives if impact else None)
     asked = EXAMPLES if paths is None else paths
     found = find([Path(asked)] if isinstance(asked, (str, Path)) else map(Path, asked))
     hits = []
@@ -131,8 +160,9 @@ class _Reader:
         direction: Array | None,
         mass: float | None,
         offset: tuple[float, float, float],
+        drives: dict[str, Any] | None,
     ) -> None:
-        self.direction, self.mass, self.offset = direction, mass, offset
+        self.direction, self.mass, self.offset, self.drives = direction, mass, offset, drives
         self.given = (
             None if robot is None else robot if isinstance(robot, Robot) else load_robot(robot)
         )
@@ -152,7 +182,11 @@ class _Reader:
             h = self.direction if self.direction is not None else along
             tool = Contact(robot.n, self.offset)
             motion = model_along(recording, robot, tool, None if h is None else np.array(h))
-            return measure(found, recording, motion, name, self.mass)
+            hit = measure(found, recording, motion, name, self.mass)
+            if self.drives is None or hit.contact_time is None:
+                return hit
+            now = float(recording.clock.time[0]) + hit.contact_time
+            return with_models(hit, robot, motion.at(now, recording.q), tool, **self.drives)
         except HitjointsError as error:
             return ReplayedHit(str(found.file), name, reason=str(error))
 

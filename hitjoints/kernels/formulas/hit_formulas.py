@@ -7,11 +7,7 @@ import math
 from hitjoints.impact.flux import flux
 from hitjoints.kernels.formulas.chain import Chain, Triple
 from hitjoints.kernels.formulas.links import TracedArm, dot
-from hitjoints.kernels.formulas.mass_matrix import (
-    Factor,
-    mobility_gradient,
-    twice_kinetic_energy,
-)
+from hitjoints.kernels.formulas.mass_matrix import Factor, mobility_gradient, variation
 from hitjoints.kernels.formulas.speeds import (
     Box,
     lateral,
@@ -115,11 +111,9 @@ class HitFormulas:
 
 
 def record_variation(chain: Chain, contact: Attachment) -> Tape:
-    """Record 2 g . u - u^T M u and its derivative with respect to q, for a given u.
+    """Record `variation` for a given u.
 
-    For every u it is at most the mobility g^T M^-1 g, and at u = M^-1 g it is the mobility: a lower
-    bound that needs no factor of M. Inputs: q (n), direction (3), u (n); outputs: the value, its
-    derivative (n).
+    Inputs: q (n), direction (3), u (n); outputs: the value, its derivative (n).
     """
     n = chain.size
     tracer = Tracer(2 * n + 3)
@@ -128,8 +122,4 @@ def record_variation(chain: Chain, contact: Attachment) -> Tape:
     u: list[Scalar] = list(tracer.inputs[n + 3 :])
     last, point = contact
     directions, reaches = arm.in_links(h), arm.reaches(last - 1, point) if last else []
-    speed: Scalar = 0.0
-    for value, joint_speed in zip(arm.row(reaches, directions), u, strict=True):
-        speed = speed + value * joint_speed
-    value = 2.0 * speed - twice_kinetic_energy(arm, u)
-    return tracer.program([value, *mobility_gradient(arm, reaches, directions, u)])
+    return tracer.program(variation(arm, reaches, directions, u))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from hitjoints.errors import ModelError
 from hitjoints.kernels.formulas.links import TracedArm, cross, cross_z, dot, minus, plus
 from hitjoints.kernels.formulas.regroup import Inertia
 from hitjoints.kernels.tape.trace import Scalar, Vector
@@ -88,11 +89,19 @@ def mass_matrix(arm: TracedArm) -> list[list[Scalar]]:
     return M
 
 
+def unit_matrix(n: int) -> list[list[Scalar]]:
+    """Return the mass matrix of n joints that carry 1 kg m^2 each."""
+    return [[1.0 if i == j else 0.0 for j in range(n)] for i in range(n)]
+
+
 class Factor:
     """M = U D U^T with U unit upper triangular.
 
     Args:
         M: the mass matrix, upper triangle.
+
+    Raises:
+        ModelError: a joint carries no inertia, whatever the configuration.
     """
 
     def __init__(self, M: list[list[Scalar]]) -> None:
@@ -101,6 +110,8 @@ class Factor:
         self.U: list[list[Scalar]] = [[0.0] * n for _ in range(n)]
         self.inverse_D: list[Scalar] = [0.0] * n
         for j in reversed(range(n)):
+            if work[j][j] == 0.0:
+                raise ModelError("model", f"joint {j + 1} carries no inertia")
             self.inverse_D[j] = 1.0 / work[j][j]
             for i in range(j):
                 self.U[i][j] = work[i][j] * self.inverse_D[j]
@@ -169,6 +180,21 @@ def mobility_gradient(
             angular = plus(arm.inward(i, angular), cross(arm.shifts[i], linear))
             twist = arm.inward(i, twist)
     return gradient
+
+
+def variation(
+    arm: TracedArm, reaches: list[Vector], directions: list[Vector], u: list[Scalar]
+) -> list[Scalar]:
+    """2 g . u - u^T M u and its derivative with respect to q (n), at fixed u.
+
+    For every u it is at most the mobility g^T M^-1 g, and at u = M^-1 g it is the mobility: a lower
+    bound that needs no factor of M. Arguments as `mobility_gradient`.
+    """
+    speed: Scalar = 0.0
+    for pull, rate in zip(arm.row(reaches, directions), u, strict=True):
+        speed = speed + pull * rate
+    value = 2.0 * speed - twice_kinetic_energy(arm, u)
+    return [value, *mobility_gradient(arm, reaches, directions, u)]
 
 
 def twice_kinetic_energy(arm: TracedArm, u: list[Scalar]) -> Scalar:

@@ -11,23 +11,36 @@ import numpy as np
 
 from hitjoints.errors import UnknownNameError
 from hitjoints.kernels.tape.numpy_backend import NumpyProgram
-from hitjoints.kernels.tape.rows import over_rows
+from hitjoints.kernels.tape.rows import ALIGNMENT, over_rows
 from hitjoints.kernels.tape.trace import Tape, Tracer
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
 BACKENDS = ("llvm", "numpy")
 VARIABLE = "HITJOINTS_BACKEND"
+IN_CACHE = 4 * ALIGNMENT
+"""Rows that stay in a cache between two looks at them."""
+USUAL_ROUNDS = 8
+"""About how many rounds a row of a program with states takes."""
 
 
 class Runnable(Protocol):
-    """A program made ready for one back end."""
+    """A program made ready for one back end.
+
+    Attributes:
+        program: what it runs.
+        lanes: fewest rows it takes.
+        nanoseconds: about how long a row takes.
+    """
 
     program: Tape
     lanes: int
+    nanoseconds: float
 
-    def __call__(self, inputs: list[Array], out: Array, start: int, stop: int) -> None:
-        """Evaluate rows start..stop."""
+    def bind(
+        self, inputs: list[Array], out: Array, iterations: int = 1
+    ) -> Callable[[int, int], None]:
+        """Return what evaluates rows start..stop."""
 
 
 def choose(backend: str | None = None) -> str:
@@ -59,7 +72,7 @@ def llvm_works() -> bool:
         tracer = Tracer(1)
         trial = LlvmProgram(tracer.program([tracer.inputs[0] + 1.0]), rows_only=1)
         out = np.zeros((1, trial.lanes))
-        trial([np.full(trial.lanes, 2.0)], out, 0, trial.lanes)
+        trial.bind([np.full(trial.lanes, 2.0)], out)(0, trial.lanes)
     except (ImportError, OSError, RuntimeError):
         return False
     return bool(np.all(out == 3.0))
@@ -75,30 +88,50 @@ def prepare(program: Tape, rows_only: int, backend: str | None) -> Runnable:
 
 
 def evaluate(
-    run: Callable[..., None],
-    lanes: int,
+    run: Runnable,
     outputs: int,
     inputs: list[Array],
     rows: int,
     threads: int | None,
+    iterations: int = 1,
+    check: Callable[[int, int], None] | None = None,
 ) -> Array:
     """Evaluate all rows.
 
     Args:
-        run: a `Runnable`, or one with its further arguments bound.
-        lanes: fewest rows it takes.
+        run: the program.
         outputs: how many values it gives per row.
         inputs: per input (rows,) values, or (1,) shared by all rows.
         rows: how many.
         threads: None for as many as help.
+        iterations: at most this many rounds, of a program with states.
+        check: looks at rows start..stop of the input before they are evaluated.
 
     Returns:
         (outputs, rows).
     """
-    missing = lanes - rows
+    missing = run.lanes - rows
     if missing > 0 and rows > 0:
         inputs = [x if len(x) == 1 else np.append(x, np.full(missing, x[-1])) for x in inputs]
-    out = np.empty((outputs, max(rows, lanes)))
+    out = np.empty((outputs, max(rows, run.lanes)))
     if rows:
-        over_rows(lambda start, stop: run(inputs, out, start, stop), out.shape[1], threads)
+        work = run.bind(inputs, out, iterations)
+        if check is not None:
+            work = _in_turn(check, work)
+        rounds = min(iterations, USUAL_ROUNDS)
+        over_rows(work, out.shape[1], threads, rounds * run.nanoseconds)
     return out[:, :rows]
+
+
+def _in_turn(
+    check: Callable[[int, int], None], work: Callable[[int, int], None]
+) -> Callable[[int, int], None]:
+    """Check and evaluate a few rows at a time: they are read from memory once."""
+
+    def both(start: int, stop: int) -> None:
+        for first in range(start, stop, IN_CACHE):
+            last = min(first + IN_CACHE, stop)
+            check(first, last)
+            work(first, last)
+
+    return both

@@ -63,7 +63,8 @@ def divide(a: Interval, b: Interval) -> Interval:
     """Quotient a / b, unknown where b contains 0."""
     around_zero = (b.lower <= 0.0) & (b.upper >= 0.0)
     bounds = [np.where(around_zero, np.nan, y) for y in b]
-    return outward(*extremes([x / y for x in a for y in bounds]))
+    with np.errstate(over="ignore"):  # beyond the greatest number is infinity: a bound, too
+        return outward(*extremes([x / y for x in a for y in bounds]))
 
 
 def negative(a: Interval) -> Interval:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import functools
+from collections.abc import Callable
 from typing import Any
 
 import llvmlite.binding as llvm
@@ -15,6 +16,10 @@ from hitjoints.kernels.tape.trace import Tape
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
 SIGNATURE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 3, *[ctypes.c_int64] * 4)
+
+
+NANOSECONDS = 0.24
+"""About how long a vector operation takes."""
 
 
 @functools.cache
@@ -54,19 +59,18 @@ class LlvmProgram:
     def __init__(self, program: Tape, rows_only: int, states: int = 0) -> None:
         self.program = program
         self.lanes = host_lanes()
+        self.nanoseconds = NANOSECONDS * program.count / self.lanes
         text = run_function(program, self.lanes, rows_only, states)
         self.function, self.keep = compile_function(text, SIGNATURE)
 
-    def __call__(
-        self, inputs: list[Array], out: Array, start: int, stop: int, iterations: int = 1
-    ) -> None:
-        """Evaluate rows start..stop.
+    def bind(
+        self, inputs: list[Array], out: Array, iterations: int = 1
+    ) -> Callable[[int, int], None]:
+        """Return what evaluates rows start..stop.
 
         Args:
             inputs: per input (N,) values, any strides, or (1,) for one value shared by all rows.
             out: (outputs, N), filled, C-contiguous, N at least the number of lanes.
-            start: first row.
-            stop: row after the last.
             iterations: at most this many rounds of a program with states.
         """
         count = len(inputs)
@@ -74,5 +78,10 @@ class LlvmProgram:
         strides = (ctypes.c_int64 * count)(
             *(0 if len(x) == 1 else x.strides[0] // x.itemsize for x in inputs)
         )
-        first = min(start, stop - self.lanes)
-        self.function(pointers, strides, out.ctypes.data, out.shape[1], first, stop, iterations)
+        place, rows = out.ctypes.data, out.shape[1]
+
+        def run(start: int, stop: int) -> None:
+            first = min(start, stop - self.lanes)
+            self.function(pointers, strides, place, rows, first, stop, iterations)
+
+        return run

@@ -213,3 +213,26 @@ def run_function(program: Tape, lanes: int, rows_only: int, states: int) -> str:
         f"declare i64 @llvm.smin.i64(i64, i64)\n{w.declarations}"
         f"define void @run({arguments}) {{\nentry:\n{body}\n}}\n"
     )
+
+
+def scalar_function(program: Tape) -> str:
+    """IR of run(inputs, outputs) for one row: two arrays of doubles, nothing else.
+
+    Args:
+        program: what to run.
+    """
+    w = Writer(1)
+
+    def at(array: str, i: int) -> str:
+        return w.let(f"getelementptr double, ptr %{array}, i64 {i}")
+
+    values = []
+    for i in range(program.inputs):
+        place = at("inputs", i)
+        values.append(w.let(f"load {w.type}, ptr {place}, align 8"))
+    for k, result in enumerate(w.program(program, values)):
+        place = at("outputs", k)
+        w.raw(f"  store {w.type} {result}, ptr {place}, align 8")
+    body = "\n".join(w.lines)
+    arguments = "ptr noalias %inputs, ptr noalias %outputs"
+    return f"{w.declarations}define void @run({arguments}) {{\nentry:\n{body}\n  ret void\n}}\n"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,9 @@ from hitjoints.kernels.tape.trace import Tape
 BLOCK = 4096
 """Rows per block: long enough to hide the call, short enough for the live values to stay in
 cache."""
+
+NANOSECONDS = 0.6
+"""About how long an operation takes per row."""
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -68,21 +72,27 @@ class NumpyProgram:
 
     def __init__(self, program: Tape) -> None:
         self.program, self.lanes = program, 1
+        self.nanoseconds = NANOSECONDS * program.count
         self.register, self.registers = assign_registers(program)
 
-    def __call__(self, inputs: list[Array], out: Array, start: int, stop: int) -> None:
-        """Evaluate rows start..stop.
+    def bind(
+        self, inputs: list[Array], out: Array, iterations: int = 1
+    ) -> Callable[[int, int], None]:
+        """Return what evaluates rows start..stop.
 
         Args:
             inputs: per input (N,) values, any strides, or (1,) for one value shared by all rows.
             out: (outputs, N), filled.
-            start: first row.
-            stop: row after the last.
+            iterations: 1; this back end has no programs with states.
         """
+        assert iterations == 1
+        return partial(self._run, inputs, out)
+
+    def _run(self, inputs: list[Array], out: Array, start: int, stop: int) -> None:
         width = min(BLOCK, stop - start)
         bank = np.empty((self.registers, width))
         values: list[Array] = [bank[r] for r in self.register]
-        steps = self._bind(values)
+        steps = self._steps(values)
         for block in range(start, stop, width):
             low = min(block, stop - width)  # the last rows overlap, so that every block is full
             for value, given in zip(values, inputs, strict=False):
@@ -92,7 +102,7 @@ class NumpyProgram:
             for row, output in zip(out, self.program.outputs, strict=True):
                 row[low : low + width] = values[output] if isinstance(output, int) else output
 
-    def _bind(
+    def _steps(
         self, values: list[Array]
     ) -> list[tuple[Callable[..., Any], tuple[Array | float, ...], Array]]:
         """The operations as functions with their operands and where the result goes."""

@@ -1,45 +1,91 @@
-"""Split rows over threads: disjoint ranges, so the result does not depend on how many there are."""
+"""Spread rows over threads that are kept: every row meets the same instructions in any split."""
 
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 
 from hitjoints.errors import InputError
 
-WORTH_A_THREAD = 8192
-"""Fewer rows than this cost less than starting a thread."""
+WORTH_A_THREAD = 1e6
+"""Nanoseconds of work in a piece: waking a thread for less costs more than it saves."""
 
-ALIGNMENT = 64
-"""Ranges start at multiples of this, so that a row meets the same instructions in any split."""
+ALIGNMENT = 4096
+"""Pieces start at multiples of this."""
+
+MOST_THREADS = 256
+"""Threads that are kept at most; they are made when they are first needed."""
+
+_kept: list[ThreadPoolExecutor] = []
+
+
+def _forget() -> None:
+    """Begin anew in a forked child, which has none of its parent's threads."""
+    _kept.clear()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_forget)
 
 
 def available_cpus() -> int:
-    """CPUs this process may use."""
+    """Return how many CPUs this process may use."""
     affinity = getattr(os, "sched_getaffinity", None)
     return len(affinity(0)) if affinity else os.cpu_count() or 1
 
 
-def over_rows(work: Callable[[int, int], object], rows: int, threads: int | None) -> None:
-    """Call work(start, stop) for ranges that cover the rows.
+def over_rows(
+    work: Callable[[int, int], object], rows: int, threads: int | None, nanoseconds: float
+) -> None:
+    """Call work(start, stop) for pieces that cover the rows.
+
+    The calling thread works too, and takes whatever the others have not begun: where they get no
+    processor, it is as if there were none.
 
     Args:
         work: releases the interpreter lock while it runs.
         rows: how many.
         threads: None for as many as help.
+        nanoseconds: about how long a row takes.
 
     Raises:
         InputError: threads is not positive.
     """
-    if threads is None:
-        threads = max(1, min(available_cpus(), rows // WORTH_A_THREAD))
-    elif threads < 1:
+    if threads is not None and threads < 1:
         raise InputError("threads", threads, "at least 1")
-    share = -(-rows // (threads * ALIGNMENT)) * ALIGNMENT
-    if threads == 1 or share >= rows:
+    piece = max(1, round(WORTH_A_THREAD / (nanoseconds * ALIGNMENT))) * ALIGNMENT
+    pieces = -(-rows // piece)
+    helpers = min(pieces, available_cpus() if threads is None else threads) - 1
+    if helpers < 1:
         work(0, rows)
         return
-    with ThreadPoolExecutor(threads) as pool:
-        starts = range(0, rows, share)
-        list(pool.map(lambda start: work(start, min(start + share, rows)), starts))
+    todo = deque(range(0, rows, piece))
+
+    def drain() -> None:
+        while todo:
+            try:
+                start = todo.popleft()
+            except IndexError:  # another thread was faster
+                return
+            work(start, min(start + piece, rows))
+
+    begun = [_pool().submit(drain) for _ in range(helpers)]
+    try:
+        drain()
+    finally:
+        todo.clear()
+        for future in begun:
+            future.cancel()
+        wait(begun)
+    for future in begun:
+        if not future.cancelled():
+            future.result()
+
+
+def _pool() -> ThreadPoolExecutor:
+    if not _kept:
+        # Two threads at once may make two; one of them is then idle, and ends with its last use.
+        _kept.append(ThreadPoolExecutor(MOST_THREADS, thread_name_prefix="hitjoints"))
+    return _kept[0]

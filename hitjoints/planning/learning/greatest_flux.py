@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hitjoints.quantities import kernel_for, place_joint
+from hitjoints.built import kernel_for
+from hitjoints.quantities import place_joint
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hitjoints.quantities import kernel_for, place_joint
+from hitjoints.built import kernel_for
+from hitjoints.quantities import place_joint
 from hitjoints.tolerances import rank_floor
 
 if TYPE_CHECKING:

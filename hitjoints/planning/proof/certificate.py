@@ -17,27 +17,24 @@ import numpy as np
 from hitjoints.kernels import Chain, Interval
 from hitjoints.kernels.formulas.hit_formulas import HitFormulas
 from hitjoints.kernels.formulas.links import TracedArm, dot, minus
-from hitjoints.kernels.formulas.mass_matrix import (
-    Factor,
-    mass_matrix,
-    mobility_gradient,
-    twice_kinetic_energy,
-)
+from hitjoints.kernels.formulas.mass_matrix import Factor, mass_matrix, variation
 from hitjoints.kernels.tape.interval_backend import IntervalProgram
 from hitjoints.kernels.tape.trace import Scalar, Tracer
-from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN, LEAST_MOBILITY
+from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN
+from hitjoints.planning.objectives.sight import LEAST_MOBILITY
+from hitjoints.planning.proof.branching import branch
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.planning.objectives.hit_problem import Hit
+    from hitjoints.planning.task import Task
 
     Array = NDArray[np.float64]
 
 GAP = 0.01
 """The bound is tight enough when it exceeds the value found by no more than this share."""
 
-MOST_BOXES = 60_000
+MOST_BOXES = 120_000
 ROUNDING = 1e-9
 """Share by which bounds are widened for the constants, which are rounded when recorded."""
 
@@ -70,42 +67,44 @@ class Certificate:
         return asdict(self)
 
 
-def free_joints(hit: Hit) -> tuple[int, ...]:
+def free_joints(task: Task) -> tuple[int, ...]:
     """Return the joints (1-based) that leave the contact where it is."""
-    contact = hit.contact
-    last = Chain.from_model(hit.robot.model).attach(contact.joint, contact.offset)[0]
-    return tuple(range(last + 1, hit.robot.n + 1))
+    contact = task.contact
+    last = Chain.from_model(task.robot.model).attach(contact.joint, contact.offset)[0]
+    return tuple(range(last + 1, task.robot.n + 1))
 
 
-def certify(hit: Hit, q: Array, joints: tuple[int, ...] | None = None) -> Certificate:
+def certify(task: Task, q: Array, joints: tuple[int, ...] | None = None) -> Certificate:
     """Bound the inertia over the postures of some joints, the others fixed as in q.
 
     Args:
-        hit: what is asked; its away condition restricts the postures if it is set.
+        task: what is asked; its away condition restricts the postures if it is set.
         q: (n,) rad, the configuration found, the best known.
         joints: which to search (1-based), all of them beyond the contact; every joint that
             leaves the contact where it is when not given.
     """
     begin = time.perf_counter()
-    joints = free_joints(hit) if joints is None else joints
+    joints = free_joints(task) if joints is None else joints
     at = np.array(joints, dtype=int) - 1
-    bound = _Bound(hit, q, at)
-    robot = hit.robot
+    bound = _Bound(task, q, at)
+    robot = task.robot
     # A continuous joint is searched over one turn.
     low, high = (end[None, at] for end in robot.finite_limits)
     found = 1.0 / float(bound.at(q[None, at]).upper[0, 0])
-    upper, closed, visited = np.zeros(0), found, 0
-    while len(low) and visited < MOST_BOXES:
-        visited += len(low)
+    closed, left = found, 0.0
+
+    def look(low: Array, high: Array) -> tuple[Array, Array]:
+        nonlocal closed, left
         upper, admissible, reduction = bound(low, high)
         todo = admissible & (upper > (1.0 + GAP) * found)
-        done = admissible & ~todo
-        closed = max(closed, float(upper[done].max(initial=0.0)))
-        upper, low, high = upper[todo], low[todo], high[todo]
-        if not len(at):
-            break  # no joint to cut by: what rounding leaves open stays open
-        low, high = _cut(low, high, reduction[todo])
-    bounded = max(closed, float(upper.max(initial=0.0)) if len(low) else 0.0)
+        closed = max(closed, float(upper[admissible & ~todo].max(initial=0.0)))
+        left = float(upper[todo].max(initial=0.0))
+        if not len(at):  # no joint to cut by: what rounding leaves open stays open
+            return low[:0], high[:0]
+        return _cut(low[todo], high[todo], reduction[todo])
+
+    visited = branch(low, high, look, MOST_BOXES)
+    bounded = max(closed, left)
     return Certificate(
         found,
         bounded,
@@ -125,34 +124,31 @@ class _Bound:
     little: its mean value form is the sharpest bound known here.
     """
 
-    def __init__(self, hit: Hit, q: Array, at: NDArray[np.intp]) -> None:
-        n, d = hit.robot.n, len(at)
-        chain = Chain.from_model(hit.robot.model)
-        h = (float(hit.direction[0]), float(hit.direction[1]), float(hit.direction[2]))
-        attached = chain.attach(hit.contact.joint, hit.contact.offset)
+    def __init__(self, task: Task, q: Array, at: NDArray[np.intp]) -> None:
+        n, d = task.robot.n, len(at)
+        chain = Chain.from_model(task.robot.model)
+        h = (float(task.direction[0]), float(task.direction[1]), float(task.direction[2]))
+        attached = chain.attach(task.contact.joint, task.contact.offset)
         tracer = Tracer(d + n)
         angles: list[Any] = [float(angle) for angle in q]
         for place, number in zip(at, tracer.inputs, strict=False):
             angles[place] = number
         arm = TracedArm(chain, tuple(angles))
-        formulas = HitFormulas(arm, Factor(mass_matrix(arm)), attached, h, hit.mass)
+        formulas = HitFormulas(arm, Factor(mass_matrix(arm)), attached, h, task.mass)
         self.point = IntervalProgram(
             tracer.program([*formulas.mobility(), *formulas.factor.velocity(formulas.y)])
         )
         u: list[Scalar] = list(tracer.inputs[d:])
-        speed: Scalar = 0.0
-        for pull, rate in zip(formulas.g, u, strict=True):
-            speed = speed + pull * rate
-        gradient = mobility_gradient(arm, formulas.reaches, formulas.directions, u)
-        outputs = [2.0 * speed - twice_kinetic_energy(arm, u), *(gradient[i] for i in at)]
-        if hit.away:
+        value, *gradient = variation(arm, formulas.reaches, formulas.directions, u)
+        outputs = [value, *(gradient[i] for i in at)]
+        if task.away:
             ends = [
                 chain.attach(contact.joint, contact.offset)
-                for contact in (type(hit.contact)(hit.contact.joint), hit.beyond)
+                for contact in (type(task.contact)(task.contact.joint), task.beyond)
             ]
             here, there = (arm.position(last - 1, point) for last, point in ends)
             outputs.append(dot(h, minus(there, here)))
-        self.away, self.unused = hit.away, [Interval(np.zeros(1), np.zeros(1))] * n
+        self.away, self.unused = task.away, [Interval(np.zeros(1), np.zeros(1))] * n
         self.program = IntervalProgram(tracer.program(outputs))
 
     def at(self, x: Array) -> Interval:

@@ -16,11 +16,12 @@ from hitjoints.kernels.formulas.links import TracedArm, dot, minus
 from hitjoints.kernels.tape.interval_backend import IntervalProgram
 from hitjoints.kernels.tape.trace import Scalar, Tracer, Vector
 from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN
+from hitjoints.planning.proof.branching import branch
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.planning.objectives.hit_problem import Hit
+    from hitjoints.planning.task import Task
 
     Array = NDArray[np.float64]
 
@@ -41,36 +42,41 @@ class Exclusion:
     boxes: int
 
 
-def exclude(hit: Hit, away: bool) -> Exclusion:
+def exclude(task: Task, away: bool) -> Exclusion:
     """Try to prove that no configuration puts the contact at the object.
 
     Args:
-        hit: what is asked, with a position.
+        task: what is asked, with a position.
         away: only configurations that meet the away condition count.
     """
-    assert hit.position is not None
-    robot, bound = hit.robot, _Bounds(hit, away)
+    assert task.target is not None
+    robot, bound = task.robot, _Bounds(task, away)
     m = bound.movers
     # A continuous joint is searched over one turn.
     low, high = (end[None, :m] for end in robot.finite_limits)
-    boxes = 0
-    while len(low) and boxes + len(low) <= MOST_BOXES:
-        boxes += len(low)
+    proved = False
+
+    def look(low: Array, high: Array) -> tuple[Array, Array]:
+        nonlocal proved
         least, most = bound(low, high)
         left = ((least[:3] <= 0) & (most[:3] >= 0)).all(axis=0)
         if away:
             left &= least[3] <= -AWAY_MARGIN
-        low, high = bisect(low[left], high[left])
-    return Exclusion(not len(low), boxes)
+        proved = not left.any()
+        halves = bisect(low[left], high[left])
+        return halves.lower, halves.upper
+
+    boxes = branch(low, high, look, MOST_BOXES)
+    return Exclusion(proved, boxes)
 
 
 class _Bounds:
     """Bounds of the contact's distance from the object along each axis, and of the away gap."""
 
-    def __init__(self, hit: Hit, away: bool) -> None:
-        chain = Chain.from_model(hit.robot.model)
-        origin = type(hit.contact)(hit.contact.joint)
-        points = [hit.contact, origin, hit.beyond] if away else [hit.contact]
+    def __init__(self, task: Task, away: bool) -> None:
+        chain = Chain.from_model(task.robot.model)
+        origin = type(task.contact)(task.contact.joint)
+        points = [task.contact, origin, task.beyond] if away else [task.contact]
         attached = [chain.attach(point.joint, point.offset) for point in points]
         self.movers = m = max(last for last, _ in attached)
         tracer = Tracer(m)
@@ -78,11 +84,11 @@ class _Bounds:
         arm = TracedArm(chain, (*tracer.inputs, *[0.0] * (chain.size - m)))
         places = [arm.position(last - 1, point) for last, point in attached]
         axes: list[Vector] = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
-        target: Any = hit.position
+        target: Any = task.target
         values: list[Scalar] = [places[0][k] - float(target[k]) for k in range(3)]
         slopes = [_row(arm, attached[0], axis)[:m] for axis in axes]
         if away:
-            h = (float(hit.direction[0]), float(hit.direction[1]), float(hit.direction[2]))
+            h = (float(task.direction[0]), float(task.direction[1]), float(task.direction[2]))
             values.append(dot(h, minus(places[2], places[1])))
             near, far = (_row(arm, point, h)[:m] for point in attached[1:])
             slopes.append([b - a for a, b in zip(near, far, strict=True)])

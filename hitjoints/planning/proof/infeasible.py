@@ -8,7 +8,7 @@ import numpy as np
 
 from hitjoints.dynamics.kinematics import feasible_directions, position
 from hitjoints.kernels import Chain
-from hitjoints.planning.candidates import Candidate, away_gap
+from hitjoints.planning.candidates import Refusal, away_gap
 from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN
 from hitjoints.planning.proof.exclusion import exclude
 from hitjoints.planning.words import told_apart, vector
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hitjoints.kernels import Placement
-    from hitjoints.planning.objectives.hit_problem import Hit
     from hitjoints.planning.search.groups import Found
+    from hitjoints.planning.task import Task
 
     Array = NDArray[np.float64]
 
@@ -26,13 +26,13 @@ MOST_COMPARED = 64
 TOGETHER = 1e-9  # m: origins closer than this are one point
 
 
-def unreachable(hit: Hit, placed: Placement, prove: bool) -> Candidate:
+def unreachable(task: Task, placed: Placement, prove: bool) -> Refusal:
     """Say how close the contact gets to the object; prove it, if asked to and possible."""
     nearest = int(np.argmin(placed.error))
     error = float(placed.error[nearest])
-    joint, target = hit.contact.joint, hit.position
+    joint, target = task.contact.joint, task.target
     assert target is not None
-    pivot, reach = reach_ball(hit)
+    pivot, reach = reach_ball(task)
     away = float(np.linalg.norm(target - pivot))
     certified = away > reach
     where = f"({vector(target)})"
@@ -45,7 +45,7 @@ def unreachable(hit: Hit, placed: Placement, prove: bool) -> Candidate:
         )
     else:
         reason = f"joint {joint} was not brought to {where}; {found} away"
-        proof = exclude(hit, away=False) if prove else None
+        proof = exclude(task, away=False) if prove else None
         if proof is not None and proof.proved:
             certified = True
             reason = (
@@ -53,36 +53,36 @@ def unreachable(hit: Hit, placed: Placement, prove: bool) -> Candidate:
                 f"its configurations, excluded); {found} away"
             )
     reason = f"unreachable: {reason}"
-    return _refused(hit, reason, certified, placed.q[nearest], position_error=error)
+    return _refused(task, reason, certified, placed.q[nearest], position_error=error)
 
 
-def movers(hit: Hit) -> int:
+def movers(task: Task) -> int:
     """Return how many joints, from the base, move the contact."""
-    chain = Chain.from_model(hit.robot.model)
-    return chain.attach(hit.contact.joint, hit.contact.offset)[0]
+    chain = Chain.from_model(task.robot.model)
+    return chain.attach(task.contact.joint, task.contact.offset)[0]
 
 
-def fixed(hit: Hit) -> Candidate:
+def fixed(task: Task) -> Refusal:
     """Say that no joint moves the contact."""
-    joint, q = hit.contact.joint, hit.robot.home
-    assert hit.position is not None
-    here = position(hit.robot, q, hit.contact)
+    joint, q = task.contact.joint, task.robot.home
+    assert task.target is not None
+    here = position(task.robot, q, task.contact)
     reason = (
         f"infeasible direction: joint {joint} cannot move at all: no joint of the arm moves its "
         f"origin from ({vector(here)})"
     )
-    error = float(np.linalg.norm(here - hit.position))
-    return _refused(hit, reason, True, q, position_error=error)
+    error = float(np.linalg.norm(here - task.target))
+    return _refused(task, reason, True, q, position_error=error)
 
 
-def reach_ball(hit: Hit) -> tuple[Array, float]:
+def reach_ball(task: Task) -> tuple[Array, float]:
     """Return a fixed point (3,) and a distance (m) the contact never exceeds from it.
 
     The point is the first origin the arm turns about; the distance is the sum of the link lengths
     from there, with what prismatic joints add.
     """
-    chain = Chain.from_model(hit.robot.model)
-    last, point = chain.attach(hit.contact.joint, hit.contact.offset)
+    chain = Chain.from_model(task.robot.model)
+    last, point = chain.attach(task.contact.joint, task.contact.offset)
     reach = float(np.linalg.norm(point)) if last else 0.0
     for i in range(1, last):
         reach += float(np.linalg.norm(chain.links[i].translation))
@@ -91,50 +91,50 @@ def reach_ball(hit: Hit) -> tuple[Array, float]:
     return np.array(chain.base_position), reach
 
 
-def immobile(hit: Hit, q: Array) -> Candidate:
+def immobile(task: Task, q: Array) -> Refusal:
     """Say which directions the contact can be hit along, where it can be placed at all.
 
     Where it moves along the direction asked for, that is not what is in the way.
     """
-    directions = feasible_directions(hit.robot, q, hit.contact)
+    directions = feasible_directions(task.robot, q, task.contact)
     basis = directions.basis
-    along = basis @ (basis.T @ hit.direction)
+    along = basis @ (basis.T @ task.direction)
     length = float(np.linalg.norm(along))
     nearest = None if length < 1e-6 else along / length
     hint = "" if nearest is None else f"; the nearest direction it can is ({vector(nearest)})"
-    if directions.contain(hit.direction):
+    if directions.contain(task.direction):
         reason = (
-            f"not found: joint {hit.contact.joint} can be placed at the object and move along "
-            f"({vector(hit.direction)}) there, but no configuration that was tried meets all "
+            f"not found: joint {task.contact.joint} can be placed at the object and move along "
+            f"({vector(task.direction)}) there, but no configuration that was tried meets all "
             f"conditions"
         )
-        return _refused(hit, reason, False, q, rank=directions.rank)
+        return _refused(task, reason, False, q, rank=directions.rank)
     reason = (
-        f"infeasible direction: joint {hit.contact.joint} cannot move along "
-        f"({vector(hit.direction)}) there: its Jacobian has rank {directions.rank}, "
+        f"infeasible direction: joint {task.contact.joint} cannot move along "
+        f"({vector(task.direction)}) there: its Jacobian has rank {directions.rank}, "
         f"it moves in {directions.description}{hint}"
     )
-    return _refused(hit, reason, False, q, direction=nearest, rank=directions.rank)
+    return _refused(task, reason, False, q, direction=nearest, rank=directions.rank)
 
 
-def pointed_at(hit: Hit, found: Found, placed: Array, prove: bool) -> Candidate:
+def pointed_at(task: Task, found: Found, placed: Array, prove: bool) -> Refusal:
     """Say how far the distal links are from pointing away, at best.
 
     Args:
-        hit: what is asked.
+        task: what is asked.
         found: the search for the least h . (chi_{k+1} - chi_k).
         placed: (N, n) rad, configurations with the contact at the object.
         prove: try to exclude every configuration by branch and bound.
     """
-    joint = hit.contact.joint
+    joint = task.contact.joint
     known = np.concatenate((found.x, placed))
-    gaps = [away_gap(hit, q) for q in known[: len(found.x) + MOST_COMPARED]]
+    gaps = [away_gap(task, q) for q in known[: len(found.x) + MOST_COMPARED]]
     nearest = int(np.argmin(gaps))
     q, gap = known[nearest], gaps[nearest]
-    beyond = hit.beyond
+    beyond = task.beyond
     next_origin = beyond.joint > joint and not any(beyond.offset)
     following = f"joint {beyond.joint}" if next_origin else "the flange"
-    certified = abs(gap) < TOGETHER and _share_origin(hit)
+    certified = abs(gap) < TOGETHER and _share_origin(task)
     if certified:
         why = f"the origins of joint {joint} and {following} coincide, so no link points away"
     else:
@@ -143,42 +143,44 @@ def pointed_at(hit: Hit, found: Found, placed: Array, prove: bool) -> Candidate:
             f"{found.restarts.size} independent searches"
         )
         why = f"{following} was not found behind joint {joint} along the direction: {least}"
-        proof = exclude(hit, away=True) if prove else None
+        proof = exclude(task, away=True) if prove else None
         if proof is not None and proof.proved:
             certified = True
             why = (
                 f"{following} is never behind joint {joint} along the direction (certified: "
                 f"{proof.boxes} boxes, all of its configurations, excluded); {least}"
             )
-    return _refused(hit, f"away condition impossible: {why}", certified, q, away_gap=gap)
+    return _refused(task, f"away condition impossible: {why}", certified, q, away_gap=gap)
 
 
-def short_of_flux(hit: Hit, flux: float, found: Found) -> Candidate:
+def short_of_flux(task: Task, flux: float, found: Found, deliverable: bool) -> Refusal:
     """Say what the greatest flux is."""
     most = float(np.exp(found.value[0]))
     reached, asked = told_apart(most, flux)
+    verb = "delivers" if deliverable else "reaches"
+    how = ", from rest to rest within its limits" if deliverable else ""
     reason = (
-        f"flux beyond the maximum: joint {hit.contact.joint} reaches {reached} m/s of the "
-        f"{asked} m/s asked for"
+        f"flux beyond the maximum: joint {task.contact.joint} {verb} {reached} m/s of the "
+        f"{asked} m/s asked for{how}"
     )
-    return _refused(hit, reason, False, found.x[0], flux=most)
+    return _refused(task, reason, False, found.x[0], flux=most)
 
 
-def _share_origin(hit: Hit) -> bool:
-    chain = Chain.from_model(hit.robot.model)
+def _share_origin(task: Task) -> bool:
+    chain = Chain.from_model(task.robot.model)
     ends = [
-        chain.attach(c.joint, c.offset) for c in (type(hit.contact)(hit.contact.joint), hit.beyond)
+        chain.attach(c.joint, c.offset)
+        for c in (type(task.contact)(task.contact.joint), task.beyond)
     ]
     return ends[0][0] == ends[1][0] and bool(
         np.allclose(ends[0][1], ends[1][1], rtol=0, atol=TOGETHER)
     )
 
 
-def _refused(hit: Hit, reason: str, certified: bool, q: Array, **nearest: Any) -> Candidate:
+def _refused(task: Task, reason: str, certified: bool, q: Array, **nearest: Any) -> Refusal:
     evidence = {"certified": certified, "nearest": {**nearest, "q": q}}
-    return Candidate(
-        hit.contact.joint,
-        False,
+    return Refusal(
+        task.contact.joint,
         reason,
         position_error=nearest.get("position_error"),
         evidence=evidence,

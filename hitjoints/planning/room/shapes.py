@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.errors import ModelError
-from hitjoints.model.meshes import convex_hull
+from hitjoints.model.meshes import MeshError, convex_hull
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -155,12 +155,18 @@ def scene_of(robot: Robot) -> Scene:
 @lru_cache(maxsize=16)
 def _shapes(robot: Robot) -> tuple[Any, int]:
     """Return the convex collision shapes with their pairs, and the last link of constant height."""
+    if robot.tool is not None and robot.tool.radius is None:
+        reason = "its tool has no radius, so the room it needs is not known"
+        raise ModelError(robot.name, reason)
     shapes = pin.GeometryModel(robot.collision_model)
     if not shapes.ngeoms:
         raise ModelError(robot.name, "it has no collision shapes, so distances cannot be told")
     for shape in shapes.geometryObjects:
         if hasattr(shape.geometry, "buildConvexHull"):
-            shape.geometry = convex_hull(shape.geometry)
+            try:
+                shape.geometry = convex_hull(shape.geometry)
+            except MeshError as error:
+                raise ModelError(robot.name, f"{error} ({shape.name})") from None
         shape.geometry.computeLocalAABB()
     links = [int(shape.parentJoint) for shape in shapes.geometryObjects]
     pairs = [(a, b) for a, b in combinations(range(len(links)), 2) if abs(links[a] - links[b]) > 1]

@@ -88,7 +88,7 @@ def search(problem: HitProblem, sampler: Sampler, seed: int, hints: Sequence[Arr
     q = sampler.draw(GROUPS * SAMPLES, seed)
     value, excess = problem.screen(q)
     pools = np.array_split(np.arange(len(q)), GROUPS)
-    count = STRAIGHT_STARTS if problem.straight else STARTS
+    count = STRAIGHT_STARTS if problem.moving else STARTS
     weight = _weights(problem, q[:PROBES])
     starts = [_starts(problem, q[pool], value[pool], excess[pool], count, weight) for pool in pools]
     for group, known in enumerate(hints):
@@ -193,7 +193,7 @@ def _hop(
     ]
     placed = sampler.place(np.concatenate(near))
     value, excess = problem.screen(placed)
-    count = STRAIGHT_STARTS if problem.straight else STARTS
+    count = STRAIGHT_STARTS if problem.moving else STARTS
     fresh = (count - KEPT) * (GROUPS // len(rngs))
     starts, end = [], 0
     for rows, variants in zip(best, near, strict=True):

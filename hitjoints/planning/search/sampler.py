@@ -11,7 +11,7 @@ from hitjoints.quantities import place_joint
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.planning.objectives.hit_problem import Hit
+    from hitjoints.planning.task import Task
 
     Array = NDArray[np.float64]
 
@@ -22,22 +22,22 @@ class Sampler:
     """Draws configurations that put the contact at the object, within bounds.
 
     Args:
-        hit: what is asked; without a position, every configuration will do.
+        task: what is asked; without a position, every configuration will do.
         lower, upper: (n,) rad bounds; equal ones keep a joint where it is.
     """
 
-    def __init__(self, hit: Hit, lower: Array, upper: Array) -> None:
-        self.hit, self.lower, self.upper = hit, lower, upper
+    def __init__(self, task: Task, lower: Array, upper: Array) -> None:
+        self.task, self.lower, self.upper = task, lower, upper
         bounded = np.isfinite(lower) & np.isfinite(upper)
         # A continuous joint is searched over one turn.
         self.low, self.high = np.where(bounded, lower, -np.pi), np.where(bounded, upper, np.pi)
 
     def draw(self, count: int, seed: int) -> Array:
         """Return configurations (N, n), N <= count, drawn at random."""
-        if self.hit.position is None:
+        if self.task.target is None:
             return np.random.default_rng(seed).uniform(self.low, self.high, (count, len(self.low)))
-        goals = np.tile(self.hit.position, (count, 1))
-        placed = place_joint(self.hit.robot, self.hit.contact, goals, seed)
+        goals = np.tile(self.task.target, (count, 1))
+        placed = place_joint(self.task.robot, self.task.contact, goals, seed)
         return np.asarray(placed.q)
 
     def vary(self, q: Array, rng: np.random.Generator) -> Array:
@@ -56,7 +56,7 @@ class Sampler:
         flipped = np.where(flips[:, 1:-1] == 1, -q, q)
         flipped += np.pi * turns * np.where(flipped > middle, -1.0, 1.0)
         new = rng.uniform(self.low, self.high, q.shape)
-        share = np.where(np.arange(n) < self.hit.contact.joint - 1, 0.5, 1.0)
+        share = np.where(np.arange(n) < self.task.contact.joint - 1, 0.5, 1.0)
         share = np.where(even, 0.05, share * rng.choice((0.1, 0.4, 0.9), (rows, 1)))
         noise = SCATTER * rng.random((rows, 1)) ** 2 * rng.standard_normal(q.shape)
         moved = np.where(rng.random(q.shape) < share, new, flipped + noise)
@@ -64,7 +64,7 @@ class Sampler:
 
     def place(self, q: Array) -> Array:
         """Return the configurations (N, n) moved until the contact is at the object."""
-        if self.hit.position is None:
+        if self.task.target is None:
             return q
-        goals = np.tile(self.hit.position, (len(q), 1))
-        return np.asarray(place_joint(self.hit.robot, self.hit.contact, goals, start=q).q)
+        goals = np.tile(self.task.target, (len(q), 1))
+        return np.asarray(place_joint(self.task.robot, self.task.contact, goals, start=q).q)

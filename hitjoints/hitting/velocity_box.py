@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hitjoints.swings.drive_limits import WITHIN
+from hitjoints.hitting.drive_limits import WITHIN
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.swings.drive_limits import DriveLimits
+    from hitjoints.hitting.drive_limits import DriveLimits
 
     Array = NDArray[np.float64]
 

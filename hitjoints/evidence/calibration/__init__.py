@@ -1,0 +1,1 @@
+"""What past hits tell about the next: from landings to an object's numbers."""

@@ -1,0 +1,163 @@
+"""Where a hit box comes to rest, and how surely: many hits within the stated spreads."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hitjoints.dynamics.inertia import inverse_inertia
+from hitjoints.errors import InputError
+from hitjoints.goals.box_hit import Boxes, hit_boxes
+from hitjoints.goals.sliding import Support, slide_to_rest
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from hitjoints.hit import Hit
+    from hitjoints.model.robot import Robot
+
+    Array = NDArray[np.float64]
+
+SAMPLES = 1000
+TOLERANCE = 0.05
+"""m, how far from the goal counts as there."""
+LEVEL = 1e-3
+"""Greatest vertical part of a direction that counts as level."""
+POINT_SIZE = (1e-3, 1e-3, 1e-3)
+"""m, of an object whose size is not given: a point does not turn."""
+
+
+@dataclass(frozen=True, eq=False)
+class Landing:
+    """Where the object comes to rest: the place of the hit, moved as the object's centre is.
+
+    Attributes:
+        nominal: (3,) m, without any spread.
+        yaw: rad, turned on the way, without any spread.
+        mean: (3,) m.
+        covariance: (2, 2) m^2, horizontal.
+        samples: (N, 2) m, horizontal places.
+        goal: (3,) m; without one, the nominal place.
+        tolerance: m.
+        within: share of the samples that rest within the tolerance of the goal.
+    """
+
+    nominal: Array
+    yaw: float
+    mean: Array
+    covariance: Array
+    samples: Array
+    goal: Array
+    tolerance: float
+    within: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the result as JSON knows it, without the samples."""
+        return {
+            "nominal": self.nominal.tolist(),
+            "yaw": self.yaw,
+            "mean": self.mean.tolist(),
+            "covariance": self.covariance.tolist(),
+            "goal": self.goal.tolist(),
+            "tolerance": self.tolerance,
+            "within": self.within,
+        }
+
+
+def landing(
+    robot: Robot,
+    q: ArrayLike,
+    hit: Hit,
+    speed: float,
+    *,
+    height: float = 0.0,
+    tolerance: float = TOLERANCE,
+    support: Support = "face",
+    samples: int = SAMPLES,
+    seed: int = 0,
+) -> Landing:
+    """Predict where a box comes to rest that is hit level, on a table, within the hit's spreads.
+
+    Args:
+        robot: the arm.
+        q: (n,) rad, at the impact.
+        hit: the box: mass, restitution and friction are needed; size and yaw where it may turn;
+            spread for what is not known exactly.
+        speed: m/s, of the contact along the hit's direction at the impact.
+        height: m, of the contact above the box's centre of mass.
+        tolerance: m, around the goal.
+        support: what carries the box, its "face" or its four "corners".
+        samples: how many hits are tried.
+        seed: of the spreads.
+
+    Raises:
+        InputError: an argument cannot be used, or the direction is not level.
+        InfeasibleError: the box would be missed, tip, or slide on its edge.
+    """
+    if abs(hit.direction[2]) > LEVEL:
+        raise InputError("direction", hit.direction.tolist(), "a box slides after a level hit only")
+    for name in ("restitution", "friction"):
+        if getattr(hit, name) is None:
+            raise InputError(name, None, "where the object lands depends on it")
+    if not (math.isfinite(speed) and speed > 0):
+        raise InputError("speed", speed, "the contact moves at more than 0 m/s")
+    if not (math.isfinite(tolerance) and tolerance > 0):
+        raise InputError("tolerance", tolerance, "it is above 0 m")
+    if samples < 2:
+        raise InputError("samples", samples, "at least 2")
+    mobility = inverse_inertia(robot, q, hit.chosen_contact)
+    drawn = _draw(hit, samples, seed)
+    left = np.array([-hit.direction[1], hit.direction[0]])
+    axes = np.column_stack((hit.direction[:2], left))
+    # The first row is the hit without any spread.
+    yaw, offset = drawn["yaw"], drawn["offset"]
+    size = np.array(POINT_SIZE if hit.size is None else hit.size)
+    if hit.size is None:
+        yaw, offset = np.zeros_like(yaw), np.zeros_like(offset)
+    boxes = Boxes(drawn["mass"], size, yaw, offset, height, drawn["friction"])
+    normal = np.column_stack((np.cos(yaw), np.sin(yaw))) @ axes.T
+    felt = 1 / np.einsum("na,ab,nb->n", normal, mobility[:2, :2], normal)
+    departure = hit_boxes(boxes, felt, speed * drawn["speed"], drawn["restitution"])
+    slide = slide_to_rest(
+        departure.velocity, departure.spin, size, drawn["friction"], yaw=yaw, support=support
+    )
+    places = hit.position[:2] + slide.displacement @ axes.T
+    nominal = np.append(places[0], hit.position[2])
+    goal = nominal if hit.goal is None else hit.goal
+    tried = places[1:]
+    return Landing(
+        nominal,
+        float(slide.yaw[0]),
+        np.append(tried.mean(axis=0), hit.position[2]),
+        np.cov(tried.T),
+        tried,
+        goal,
+        tolerance,
+        float(np.mean(np.linalg.norm(tried - goal[:2], axis=1) <= tolerance)),
+    )
+
+
+def _draw(hit: Hit, samples: int, seed: int) -> dict[str, Array]:
+    """Return the numbers of every try, the first one without any spread.
+
+    Normal deviates; of what cannot be negative, or above 1, those that would be are drawn in.
+    """
+    rng, spread = np.random.default_rng(seed), hit.spread or {}
+    middle: dict[str, float] = {
+        "mass": hit.mass,
+        "restitution": hit.restitution or 0.0,
+        "friction": hit.friction or 0.0,
+        "yaw": hit.yaw,
+        "offset": 0.0,
+        "speed": 1.0,
+    }
+    low = {"mass": 0.05 * hit.mass, "restitution": 0.0, "friction": 0.05 * (hit.friction or 0)}
+    high = {"restitution": 1.0}
+    drawn = {}
+    for name, value in middle.items():
+        noise = np.append(0.0, rng.standard_normal(samples)) * spread.get(name, 0.0)
+        drawn[name] = np.clip(value + noise, low.get(name, -np.inf), high.get(name, np.inf))
+    return drawn

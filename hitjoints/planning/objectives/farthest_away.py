@@ -1,0 +1,31 @@
+"""How far the links behind the contact can point away from the object."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from hitjoints.planning.objectives.objective import Objective
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from hitjoints.planning.objectives.sight import Sight
+
+    Array = NDArray[np.float64]
+
+
+class FarthestAway(Objective):
+    """The least h . (chi_{k+1} - chi_k): tells whether the away condition can be met."""
+
+    ranked_by = "away_gap"
+    keeps_away = False
+
+    def screen(self, seen: Sight) -> Array:
+        """Return minus the gap, m."""
+        return -seen.gap[0]
+
+    def evaluate(self, seen: Sight) -> tuple[Array, Array]:
+        """Return minus the gap, m, and its gradient."""
+        gap, by = seen.gap
+        return -gap, -by

@@ -1,0 +1,51 @@
+"""The greatest flux: with the speed of Eq. 9, straight along the direction, and deliverable."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from hitjoints.planning.objectives.objective import Objective
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from hitjoints.planning.objectives.sight import Sight
+
+    Array = NDArray[np.float64]
+
+
+class MostFlux(Objective):
+    """Eq. 10 with the speed of Eq. 9, whatever the motion does sideways."""
+
+    ranked_by = "flux"
+
+    def screen(self, seen: Sight) -> Array:
+        """Return the logarithm of the flux."""
+        return seen.log_flux
+
+    def evaluate(self, seen: Sight) -> tuple[Array, Array]:
+        """Return the logarithm of the flux and its gradient."""
+        return seen.flux()
+
+
+class MostStraightFlux(Objective):
+    """The same for a motion exactly along the direction."""
+
+    ranked_by = "straight_flux"
+    moving = True
+
+    def screen(self, seen: Sight) -> Array:
+        """Return the logarithm of the greatest straight flux."""
+        return seen.log_straight_flux
+
+    def evaluate(self, seen: Sight) -> tuple[Array, Array]:
+        """Return the logarithm of the flux of the velocities chosen, and its gradient."""
+        return seen.moving_flux
+
+
+class MostDeliverable(MostStraightFlux):
+    """The straight flux that a motion from rest to rest can deliver within the arm's limits."""
+
+    ranked_by = "deliverable_flux"
+    stopping = True

@@ -1,0 +1,40 @@
+"""What an objective of a plan is: one class each, with a line in the registry."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, ClassVar
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from hitjoints.planning.objectives.sight import Sight
+
+    Array = NDArray[np.float64]
+
+
+class Objective(ABC):
+    """Something to be maximised over configurations, as a logarithm.
+
+    Attributes:
+        ranked_by: quantity of a candidate that tells which joint is best.
+        moving: the joint velocities of a straight motion are variables beside q.
+        stopping: those velocities are reached from rest, and stopped from, within the limits.
+        needs_flux: it makes sense only with a flux to be reached.
+        keeps_away: it can be combined with the away condition.
+    """
+
+    ranked_by: ClassVar[str]
+    moving: ClassVar[bool] = False
+    stopping: ClassVar[bool] = False
+    needs_flux: ClassVar[bool] = False
+    keeps_away: ClassVar[bool] = True
+
+    @abstractmethod
+    def screen(self, seen: Sight) -> Array:
+        """Return values (N,), not finite where there is nothing to maximise."""
+
+    @abstractmethod
+    def evaluate(self, seen: Sight) -> tuple[Array, Array]:
+        """Return values (N,) and gradients (N, n), or (N, 2 n) by q and qd when moving."""

@@ -1,0 +1,78 @@
+"""Where a hit box lands, and how surely."""
+
+import math
+
+import numpy as np
+import pytest
+
+import hitjoints as hj
+from hitjoints.errors import InputError
+
+HERE = (0.5, 0.3, 0.5)
+
+
+@pytest.fixture(scope="module")
+def arm():
+    robot = hj.load_robot("iiwa14")
+    return robot, hj.place_joint(robot, 6, HERE, start=robot.home).q[0]
+
+
+def wanted(**given):
+    usual = {"mass": 1.5, "friction": 0.35, "restitution": 0.4, "goal": (0.5, 0.8, 0.5)}
+    return hj.Hit(6, HERE, **(usual | given))
+
+
+def test_the_speed_of_the_wish_lands_at_the_goal(arm):
+    robot, q = arm
+    hit = wanted()
+    speed = hit.speed(hj.directional_inertia(robot, q, 6, hit.direction))
+    found = hj.landing(robot, q, hit, speed, samples=10)
+    assert found.nominal == pytest.approx(hit.goal, abs=1e-5)
+    assert found.within == 1.0
+    assert found.covariance == pytest.approx(np.zeros((2, 2)), abs=1e-20)
+
+
+def test_small_spreads_add_up_as_first_order_says(arm):
+    robot, q = arm
+    spread = {"mass": 0.03, "restitution": 0.01, "friction": 0.007, "speed": 0.005}
+    hit = wanted(spread=spread)
+    inertia = hj.directional_inertia(robot, q, 6, hit.direction)
+    found = hj.landing(robot, q, hit, hit.speed(inertia), samples=4000)
+    eps, mu, m = hit.restitution, hit.friction, hit.mass
+    share = math.sqrt(
+        (2 * spread["restitution"] / (1 + eps)) ** 2
+        + (spread["friction"] / mu) ** 2
+        + (2 * spread["speed"]) ** 2
+        + (2 * spread["mass"] / (inertia + m)) ** 2
+    )
+    assert math.sqrt(found.covariance[1, 1]) == pytest.approx(0.5 * share, rel=0.05)
+    inside = math.erf(found.tolerance / (0.5 * share) / math.sqrt(2))
+    assert found.within == pytest.approx(inside, abs=0.03)
+
+
+def test_a_box_hit_off_its_centre_scatters_sideways(arm):
+    robot, q = arm
+    hit = wanted(size=(0.2, 0.15, 0.12), spread={"offset": 0.01})
+    speed = hit.speed(hj.directional_inertia(robot, q, 6, hit.direction))
+    found = hj.landing(robot, q, hit, speed, samples=200)
+    assert found.covariance[0, 0] > 1e-6
+    again = hj.landing(robot, q, hit, speed, samples=200)
+    assert found.as_dict() == again.as_dict()
+
+
+@pytest.mark.parametrize(
+    ("given", "options", "argument"),
+    [
+        ({"goal": None, "direction": (0, 1, 0.2)}, {}, "direction"),
+        ({"goal": None, "direction": (0, 1, 0), "friction": None}, {}, "friction"),
+        ({"goal": None, "direction": (0, 1, 0), "restitution": None}, {}, "restitution"),
+        ({}, {"tolerance": 0}, "tolerance"),
+        ({}, {"samples": 1}, "samples"),
+        ({}, {"speed": -1.0}, "speed"),
+    ],
+)
+def test_bad_input_names_the_argument(arm, given, options, argument):
+    robot, q = arm
+    with pytest.raises(InputError) as refused:
+        hj.landing(robot, q, wanted(**given), **({"speed": 1.0} | options))
+    assert refused.value.argument == argument
