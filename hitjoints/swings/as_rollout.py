@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hitjoints.built import kernel_for
 from hitjoints.hitting.approach import Impact
-from hitjoints.quantities import kernel_for
 from hitjoints.rollouts.record import Rollout
 
 if TYPE_CHECKING:

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import hitjoints as hj
-from benchmarks.swing_checker import judge
 from benchmarks.swings import MARGIN, SIZE, random_hits
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.hit import Hit
 from hitjoints.swings.as_rollout import as_rollout
+from tests.oracles.swing_checker import judge
 
 OBJECT, ALONG = np.array([0.5, 0.3, 0.5]), np.array([0.0, 1.0, 0.0])
 
@@ -171,4 +171,6 @@ def test_rollouts_tell_whether_they_can_be_sent(arm):
     assert not rolled.sendable
     assert f"{ratio:.3g} times their limits" in rolled.why
     assert rolled.dataset.attrs["sendable"] == 0
-    assert np.isnan(hj.rollout(arm("xarm7"), Hit(6, OBJECT, ALONG, 2.0, 0.2)).acceleration_ratio_max)
+    assert np.isnan(
+        hj.rollout(arm("xarm7"), Hit(6, OBJECT, ALONG, 2.0, 0.2)).acceleration_ratio_max
+    )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -89,16 +90,8 @@ def simulate(
         MissingExtraError: MuJoCo is not installed.
     """
     engine()
-    if isinstance(robot, Swing):
-        given = {"hit": hit, "q0": q0, "start": start, "q_hit": q_hit}
-        for name, value in given.items():
-            if value is not None:
-                raise InputError(name, "given", "a swing has its own")
-        hit, arm = robot.hit, robot.robot
-    elif hit is None:
-        raise InputError("hit", None, "what is asked of the arm")
-    else:
-        arm = robot
+    starts: dict[str, Any] = {"q0": q0, "start": start, "q_hit": q_hit}
+    arm, hit = _asked(robot, hit, starts)
     if elastic:
         rotors = tuple(known_rotors(arm, rotor_inertia).tolist())
         springs = tuple(known_stiffness(arm, stiffness).tolist())
@@ -127,9 +120,7 @@ def simulate(
     if isinstance(robot, Swing):
         motion = as_rollout(robot)
     else:
-        motion = rollout(
-            robot, hit, q0=q0, start=start, q_hit=q_hit, torque_limits=torque_limits, seed=seed
-        )
+        motion = rollout(arm, hit, **starts, torque_limits=torque_limits, seed=seed)
     if motion.reason or motion.impact is None:
         raise InfeasibleError(f"the rollout is no hit: {motion.reason}", {"hit": False})
     impact = impact_of(motion)
@@ -153,6 +144,18 @@ def simulate(
     )
     told = predict_elastic(motion, impact, how) if elastic else None
     return Simulation(motion, mode, how, impact, predicted, result, slid, causes, told)
+
+
+def _asked(robot: Robot | Swing, hit: Hit | None, starts: Mapping[str, Any]) -> tuple[Robot, Hit]:
+    """Return the arm and what is asked of it, be that a hit or a swing."""
+    if isinstance(robot, Swing):
+        for name, value in {"hit": hit, **starts}.items():
+            if value is not None:
+                raise InputError(name, "given", "a swing has its own")
+        return robot.robot, robot.hit
+    if hit is None:
+        raise InputError("hit", None, "what is asked of the arm")
+    return robot, hit
 
 
 class ServoReference:
