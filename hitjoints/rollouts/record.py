@@ -128,7 +128,7 @@ class Rollout:
 
     @property
     def sendable(self) -> bool:
-        """It keeps all limits that are known, of accelerations and torques too, and ends at rest."""
+        """It keeps all known limits, of accelerations and torques too, and ends at rest."""
         return not self.why
 
     @cached_property

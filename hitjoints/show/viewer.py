@@ -27,6 +27,7 @@ from hitjoints.show.drawn_arm import ARROW, BOX, INERTIA, LINK, inertia_surface,
 from hitjoints.show.figures import colour_of
 from hitjoints.show.origin import own_pages_only
 from hitjoints.show.solids import solids
+from hitjoints.swings.make_swing import swing
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -188,6 +189,7 @@ class Viewer:
                 "place the joint at the object": self._place,
                 "plan for inertia": self._plan,
                 f"hit, {SLOWER:g} times slower": self._play,
+                "swing from here": self._swing,
                 "home": lambda: self.move(robot.home),
             }
             for label, work in works.items():
@@ -240,9 +242,17 @@ class Viewer:
 
     def _play(self) -> None:
         result = rollout(self.robot, self._hit())
-        every = max(1, round(1.0 / (FRAMES * SLOWER * result.dt)))
-        frame = every * result.dt * SLOWER
-        for q in result.rows["q"][::every]:
+        self._show(result.rows["q"], SLOWER * result.dt)
+
+    def _swing(self) -> None:
+        made = swing(self.robot, self._hit(), q0=self.q)
+        self._show(made.joints.q, made.dt)
+
+    def _show(self, rows: Array, dt: float) -> None:
+        """Show configurations (N, n), a row every dt s."""
+        every = max(1, round(1.0 / (FRAMES * dt)))
+        frame = every * dt
+        for q in rows[::every]:
             began = time.monotonic()
             self.move(q)
             time.sleep(max(0.0, frame - (time.monotonic() - began)))

@@ -85,7 +85,7 @@ class StrokeSearch:
                 yield (stroke, blocked) if blocked else self._stopped(stroke, strike)
 
     def _bent(self, strike: Strike) -> Iterator[tuple[Array, Ramp]]:
-        """Yield parabolas whose contact's path is curved sideways at the impact as little as can be.
+        """Yield parabolas whose contact's path curves sideways at the impact as little as can be.
 
         Joints at their velocity limits cannot come from a higher velocity, and none can bend more
         than its acceleration allows.
