@@ -44,6 +44,10 @@ SHORT = 0.996
 """Share of the flux asked for that counts as that: what is asked may be a rounded maximum."""
 AT_THE_OBJECT = 1e-4
 """m, how far from the object a given configuration may hold the contact."""
+SLOWEST, TOO_SLOW = 5e-3, "slower than 5 mm/s"
+"""m/s, less speed at the impact would take minutes of winding up."""
+ALWAYS = {"not clear at the impact", "gravity"}
+"""Reasons against a configuration, whatever the stroke."""
 STARTS = 100
 """Attempts at placing the contact behind the object."""
 
@@ -184,6 +188,9 @@ class SwingSearch:
         most = (1.0 - 1e-9) * float(samples.flux[row])
         share = float(samples.inertia[row] / (samples.inertia[row] + self.hit.mass))
         speed = (most if wanted is None else min(wanted, most)) / share
+        if speed < SLOWEST:
+            self.reasons[TOO_SLOW] += 1
+            return None
         J, ends = samples.J[row], (samples.lower[row], samples.upper[row])
         qd = impact_velocity(J, self.hit.direction, *ends, speed)
         if qd is None:
@@ -257,7 +264,9 @@ class SwingSearch:
 
     def _refusal(self, wanted: float | None) -> InfeasibleError:
         data = {"tried": dict(self.reasons), "maximum_flux": self.best}
-        if set(self.reasons) <= {"not clear at the impact", "gravity"}:
+        if TOO_SLOW in self.reasons and set(self.reasons) <= {TOO_SLOW, *ALWAYS}:
+            return InfeasibleError(f"the contact would move {TOO_SLOW}: ask for more flux", data)
+        if set(self.reasons) <= ALWAYS:
             return InfeasibleError(
                 f"no clear configuration: the arm touches the object, the table or itself in all "
                 f"{sum(self.reasons.values())} that could deliver it",
