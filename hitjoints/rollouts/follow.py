@@ -35,7 +35,7 @@ LONGEST = 10
 
 
 @singledispatch
-def rollout(
+def rollout(  # noqa: PLR0913
     robot: Robot,
     hit: Hit,
     *,

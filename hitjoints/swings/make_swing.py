@@ -26,7 +26,7 @@ SHORTEST, LONGEST = 1e-4, 0.02
 
 
 @singledispatch
-def swing(
+def swing(  # noqa: PLR0913
     robot: Robot,
     hit: Hit,
     *,
