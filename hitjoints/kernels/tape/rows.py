@@ -9,6 +9,9 @@ from concurrent.futures import ThreadPoolExecutor, wait
 
 from hitjoints.errors import InputError
 
+QUICKEST = 0.01
+"""ns, a row takes at least."""
+
 WORTH_A_THREAD = 1e6
 """Nanoseconds of work in a piece: waking a thread for less costs more than it saves."""
 
@@ -55,7 +58,9 @@ def over_rows(
     """
     if threads is not None and threads < 1:
         raise InputError("threads", threads, "at least 1")
-    piece = max(1, round(WORTH_A_THREAD / (nanoseconds * ALIGNMENT))) * ALIGNMENT
+    # A program of constants alone takes no time at all.
+    blocks = round(WORTH_A_THREAD / (max(nanoseconds, QUICKEST) * ALIGNMENT))
+    piece = max(1, blocks) * ALIGNMENT
     pieces = -(-rows // piece)
     helpers = min(pieces, available_cpus() if threads is None else threads) - 1
     if helpers < 1:
