@@ -37,8 +37,11 @@ class Plan:
 
     Attributes:
         robot: name.
-        position: (3,) m. direction: (3,) unit. mass: kg.
-        objective: what is best. flux: m/s demanded, if any.
+        position: (3,) m.
+        direction: (3,) unit vector.
+        mass: kg.
+        objective: what is best.
+        flux: m/s demanded, if any.
         deliverable: that flux is demanded of a motion from rest to rest; else of Eq. 9's speed.
         best: None if no joint can do it.
         candidates: in the order of the joints asked for.
