@@ -12,6 +12,7 @@ from .options import numbers
 
 if TYPE_CHECKING:
     from hitjoints.model.robot import Contact, Robot
+    from hitjoints.planning.real_arm import Drives
 
 MODELS = ("rigid", "rotor", "composite", "elastic")
 CONTACT_TIME, RESTITUTION = 0.01, 0.5
@@ -80,6 +81,26 @@ class ImpactOptions(OptionGroup):
                     raise typer.BadParameter(f"--{option} needs --impact, the model that reads it")
         elif self.impact not in (*MODELS, "all"):
             raise UnknownNameError("impact", self.impact, (*MODELS, "all"))
+
+    def drives(self) -> Drives | None:
+        """Return the model that a plan reckons with; None where none is asked for.
+
+        Raises:
+            UnknownNameError: no such model.
+            BadParameter: an option that only a model reads.
+        """
+        from hitjoints.planning.real_arm import Drives
+
+        if self.impact is None:
+            self.check()
+            return None
+        return Drives(
+            self.impact,
+            CONTACT_TIME if self.contact_time is None else self.contact_time,
+            RESTITUTION if self.restitution is None else self.restitution,
+            of_joints(self.stiffness),
+            of_joints(self.rotor_inertia),
+        )
 
     def of(
         self, robot: Robot, q: Any, contact: Contact, direction: Any, mass: float, speed: float

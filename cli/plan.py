@@ -11,6 +11,7 @@ import typer
 
 from .complaints import complain
 from .hit_options import HitOptions
+from .impact_options import ImpactOptions
 from .option_groups import OptionGroup
 from .options import (
     JsonOption,
@@ -142,9 +143,14 @@ def plan(
     hit: HitOptions,
     aim: AimOptions,
     room: RoomOptions,
+    impact: ImpactOptions,
     output: PlanOutputs,
 ) -> None:
-    """Choose the joint to hit with and its configuration, with evidence (Eq. 8, 14)."""
+    """Choose the joint to hit with and its configuration, with evidence (Eq. 8, 14).
+
+    With --impact by the inertia that a real arm shows: rotor is planned for exactly; by composite
+    and elastic each joint's best configuration of the links alone is ranked again.
+    """
     from hitjoints.planning.planner import plan as make_plan
 
     asked = hit.read()
@@ -166,8 +172,9 @@ def plan(
         start=True,
         torque_limits=aim.torque_limits,
         deliverable=aim.deliverable(arm),
+        drives=impact.drives(),
     )
-    result = planned.as_dict() | {"robot": robot.robot}
+    result = planned.as_dict() | {"robot": robot.robot, "robot_digest": arm.digest}
     plot = None if planned.best is None else output.plot
     if output.out is not None:
         from hitjoints.datasets.files import write_whole
@@ -196,6 +203,8 @@ def _print(title: str, planned: Plan) -> None:
     flux = "" if planned.flux is None else f" for a flux of {planned.flux:g} m/s"
     if planned.deliverable:
         flux = f" for a deliverable flux of {planned.flux:g} m/s"
+    if planned.impact != "rigid":
+        flux += f", inertia by the model {planned.impact}"
     print_table(
         f"{title}: hit {planned.mass:g} kg at ({at}) m along ({along}), {planned.objective}{flux}",
         (

@@ -7,6 +7,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,8 +16,10 @@ import typer
 from .complaints import complain
 from .hit_options import check_mass
 from .impact_options import RotorOption, StiffnessOption, of_joints
+from .option_groups import without
 from .options import JsonOption, OutOption, PlotOption, check_outputs, numbers, triple
 from .render import print_json, print_table
+from .robot_options import RobotOptions
 
 if TYPE_CHECKING:
     from hitjoints.evidence.recordings.replayed_hit import ReplayedHit
@@ -37,8 +40,14 @@ def replay(
     ] = None,
     robot: Annotated[
         str | None,
-        typer.Option("--robot", metavar="NAME|FILE", help="The arm. (default: as the file says)"),
+        typer.Option(
+            "--robot",
+            metavar="NAME|FILE",
+            help="The arm, with the options below. (default: as the file says)",
+        ),
     ] = None,
+    *,
+    chosen: Annotated[RobotOptions, without("robot")],
     direction: Annotated[
         str | None,
         typer.Option(
@@ -91,7 +100,7 @@ def replay(
     with _progress() as progress:
         result = compare(
             files or None,
-            robot=robot,
+            robot=None if robot is None else replace(chosen, robot=robot).load(),
             direction=None if direction is None else numbers(direction),
             mass=mass,
             offset=triple(offset, "offset"),

@@ -57,9 +57,9 @@ def rollout(
     from hitjoints.rollouts.follow import rollout as roll
 
     output.check(robot.robot, start.plan)
-    planned = start.planned(robot.robot)
-    asked = hit.read(planned)
     arm = robot.load()
+    planned = start.planned(robot.robot, arm.digest)
+    asked = hit.read(planned)
     wanted = asked.flux_hit(arm)
     result = roll(arm, wanted, **start.arguments(planned), **asdict(motion))
     _write(result, output.out, output.plot)

@@ -130,9 +130,9 @@ def simulate(
     from hitjoints.evidence.physics.simulation import simulate as run
 
     output.check(robot.robot, start.plan)
-    planned = start.planned(robot.robot)
-    asked = hit.read(planned)
     arm = robot.load()
+    planned = start.planned(robot.robot, arm.digest)
+    asked = hit.read(planned)
     wanted = asked.flux_hit(arm)
     result = run(arm, wanted, **how.arguments(), **start.arguments(planned))
     _write(result, output.out, output.plot, output.animate)

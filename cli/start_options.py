@@ -51,17 +51,21 @@ class StartOptions(OptionGroup):
             "seed": self.seed,
         }
 
-    def planned(self, robot: str) -> dict[str, Any]:
+    def planned(self, robot: str, digest: str) -> dict[str, Any]:
         """Return what the plan says: position, directions, mass, joints, q; nothing without one.
+
+        Args:
+            robot: as it is asked for.
+            digest: of the arm that was loaded.
 
         Raises:
             InputError: the file cannot be read, is no plan, or is one for another robot.
             InfeasibleError: the plan says that no joint can do it.
         """
-        return {} if self.plan is None else _read_plan(self.plan, robot)
+        return {} if self.plan is None else _read_plan(self.plan, robot, digest)
 
 
-def _read_plan(path: Path, robot: str) -> dict[str, Any]:
+def _read_plan(path: Path, robot: str, digest: str) -> dict[str, Any]:
     from hitjoints.errors import InfeasibleError, InputError
 
     try:
@@ -78,4 +82,7 @@ def _read_plan(path: Path, robot: str) -> dict[str, Any]:
         raise InfeasibleError(f"the plan {path} says no: {plan.get('summary', '')}")
     if made_for != robot:
         raise InputError("plan", path, f"it is made for {made_for}, not for {robot}")
+    if plan.get("robot_digest", digest) != digest:
+        wanted = f"it is made for another {robot}: with other numbers, tip, locked joints or tool"
+        raise InputError("plan", path, wanted)
     return found

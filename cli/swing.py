@@ -124,9 +124,9 @@ def swing(
     from hitjoints.swings.make_swing import swing as make
 
     output.check(robot.robot, start.plan)
-    planned = start.planned(robot.robot)
-    asked = hit.read(planned)
     arm = robot.load()
+    planned = start.planned(robot.robot, arm.digest)
+    asked = hit.read(planned)
     given = start.arguments(planned)
     result = make(
         arm,

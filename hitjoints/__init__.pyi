@@ -78,6 +78,7 @@ from .planning.learning.feasibility import (
 )
 from .planning.planner import plan as plan
 from .planning.posture import posture as posture
+from .planning.real_arm import Drives as Drives
 from .planning.room.clearance import clearance as clearance
 from .planning.room.surroundings import Surroundings as Surroundings
 from .planning.start import plan_start as plan_start

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from hitjoints.model.robot import Robot
 
 PLACEHOLDERS = 3  # moving links with the same mass and tensor that are no coincidence
+MOST_TOLD = 12  # held joints
 SEVERITIES = ("error", "warning", "note")
 
 
@@ -172,7 +173,10 @@ def _check_limits(robot: Robot) -> list[Issue]:
 def _check_held(arm: Arm) -> list[Issue]:
     if not arm.held:
         return []
-    names = ", ".join(f"{name}={value:.4g}" for name, value in arm.held.items())
+    told = [f"{name}={value:.4g}" for name, value in arm.held.items()]
+    if len(told) > MOST_TOLD:
+        told[MOST_TOLD:] = [f"{len(told) - MOST_TOLD} more"]
+    names = ", ".join(told)
     problem = f"held still, off the way to the tip {arm.tip}"
     return [Issue("note", names, problem, "what hangs on it rides along")]
 

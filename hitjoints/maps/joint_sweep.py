@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.built import kernel_for
+from hitjoints.built import chain_of, kernel_for
 from hitjoints.datasets.describe import described
+from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InfeasibleError
 from hitjoints.impact.collision import hitting_flux
 from hitjoints.impact.inertia_models import InertiaModel, impact_inertia
@@ -95,18 +96,22 @@ def _turn(
     robot: Robot, contact: Contact, target: Any, h: Any, common: Any, count: int, seed: int
 ) -> dict[str, Any]:
     joint = contact.joint
-    placed = place_joint(robot, contact, target, seed, start=common)
-    q, reachable = placed.q[0], bool(placed.solved[0])
-    row: dict[str, Any] = {"joint": joint, "q": q, "reachable": reachable}
-    row["position_error"] = float(placed.error[0])
-    low, high = robot.lower[joint - 1], robot.upper[joint - 1]
-    if not np.isfinite((low, high)).all():
-        low, high = -np.pi, np.pi
+    row: dict[str, Any] = {"joint": joint}
+    if chain_of(robot).attach(contact.joint, contact.offset)[0]:
+        placed = place_joint(robot, contact, target, seed, start=common)
+        q, reachable = placed.q[0], bool(placed.solved[0])
+        row["position_error"] = float(placed.error[0])
+    else:
+        # A point on the first joint's axis stays where it is, and hits nothing there.
+        q, reachable = common, False
+        row["position_error"] = float(np.linalg.norm(position(robot, q, contact) - target))
+    row |= {"q": q, "reachable": reachable}
+    low, high = (ends[joint - 1] for ends in robot.finite_limits)
     row["angle"] = np.linspace(low, high, count)
+    if not reachable:
+        return row | {name: np.full(count, np.nan) for name in OUTPUTS}
     values = kernel_for(robot, (contact,), OUTPUTS)(_turned(q, joint, row["angle"]), h)
-    for name in OUTPUTS:
-        row[name] = values[name][0] if reachable else np.full(count, np.nan)
-    return row
+    return row | {name: values[name][0] for name in OUTPUTS}
 
 
 def _turned(q: Any, joint: int, angle: Any) -> Any:

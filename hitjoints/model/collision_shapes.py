@@ -15,7 +15,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from hitjoints.model.meshes import MeshError, find_mesh, read_mesh
+from hitjoints.errors import shown
+from hitjoints.model.meshes import FARTHEST, MeshError, find_mesh, read_mesh
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
@@ -107,7 +108,9 @@ def _numbers(
         values = ()
     if len(values) != count or not all(map(math.isfinite, values)):
         wanted = "one finite number" if count == 1 else f"{count} finite numbers"
-        raise ShapeError(f"{element.tag} {key} = {text!r} is not {wanted}")
+        raise ShapeError(f"{element.tag} {key} = {shown(text, repr)} is not {wanted}")
+    if max(map(abs, values)) > FARTHEST:
+        raise ShapeError(f"{element.tag} {key} = {shown(text, repr)} is larger than any arm")
     return values
 
 

@@ -46,6 +46,8 @@ class Candidate:
         away_gap: m, that number.
         clearance: least distances (m) at q and on the straight approach, see `Clearance`.
         offset: (3,) m, of the contact in the joint's frame.
+        links_inertia: kg, that of the links alone, where `inertia` is what a model of the drives
+            shows at the best configuration of the links; else None.
         evidence: samples, admissible, local_optima, restarts, spread, agreeing, certificate.
     """
 
@@ -65,6 +67,7 @@ class Candidate:
     away_gap: float
     clearance: dict[str, Any] | None = None
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    links_inertia: float | None = None
     evidence: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def as_dict(self) -> dict[str, Any]:
@@ -96,6 +99,7 @@ class Refusal:
     away: ClassVar[None] = None
     away_gap: ClassVar[None] = None
     clearance: ClassVar[None] = None
+    links_inertia: ClassVar[None] = None
 
     joint: int
     feasible: Literal[False] = field(default=False, init=False)

@@ -16,6 +16,7 @@ from hitjoints.impact.collision import required_speed
 from hitjoints.planning.candidates import Candidate, Verdict, plain
 from hitjoints.planning.joint_plan import plan_joint
 from hitjoints.planning.objectives.registry import objective_named
+from hitjoints.planning.real_arm import Drives
 from hitjoints.planning.request import Request
 from hitjoints.planning.room.surroundings import Surroundings
 from hitjoints.planning.start import Start, fastest_start, plan_start
@@ -47,6 +48,7 @@ class Plan:
         candidates: in the order of the joints asked for.
         start: of the best hit, if it was asked for.
         torque_costs: of every candidate that can do it, if torque limits were asked for.
+        impact: model of the arm's drives.
     """
 
     robot: str
@@ -60,6 +62,7 @@ class Plan:
     start: Start | None = None
     torque_costs: tuple[TorqueCost, ...] = ()
     deliverable: bool = False
+    impact: str = "rigid"
 
     @property
     def summary(self) -> str:
@@ -84,6 +87,7 @@ class Plan:
             "direction": plain(self.direction),
             "mass": self.mass,
             "objective": self.objective,
+            "impact": self.impact,
             "required_flux": self.flux,
             "flux_by": None if self.flux is None else self._flux_by,
             "feasible": self.best is not None,
@@ -112,6 +116,7 @@ def plan(
     hints: Mapping[int, ArrayLike] | None = None,
     torque_limits: bool = False,
     deliverable: bool = False,
+    drives: Drives | None = None,
 ) -> Plan:
     """Choose the joint and the configuration for a hit.
 
@@ -138,6 +143,9 @@ def plan(
         hints: configurations (M, n) rad by joint to search from as well, with the contact at the
             object, such as `Feasibility.propose` gives; not used when there is a `flux`.
         start: plan the start of the best hit too: for `flux`, or the fastest there is.
+        drives: model of the arm's drives: the inertia, and what follows from it, is then what the
+            arm shows in a hit. "rotor" is exact; by "composite" and "elastic" each joint's best
+            configuration of the links alone is ranked again.
         torque_limits: the start is one from rest, with the way that the motors need; and for every
             joint find what torque limits cost.
 
@@ -149,6 +157,8 @@ def plan(
         SolverError: a configuration found failed the final check.
     """
     wanted = objective_named(objective)
+    drives = drives or Drives()
+    robot = drives.arm(robot)
     if wanted.needs_flux and flux is None:
         raise InputError("flux", flux, f"{objective} needs the flux to be reached (m/s)")
     if flux is not None:
@@ -175,6 +185,8 @@ def plan(
         one = plan_joint(task, replace(request, accept=demands, hints=near))
         if one.q is not None and surroundings is not None:
             one = replace(one, clearance=surroundings.report(robot, one.q, task.contact, h))
+        if one.feasible and drives.ranks_again:
+            one = drives.shown(task, one)
         found.append(replace(one, offset=task.contact.offset))
     best, candidates = _compare(found, wanted.ranked_by)
     begin = None
@@ -198,6 +210,7 @@ def plan(
         begin,
         costs,
         request.deliverable,
+        drives.model,
     )
 
 

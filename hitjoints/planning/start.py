@@ -182,6 +182,9 @@ def fastest_start(
     contact, q, h = robot.contact(contact), robot.within_limits(q), unit(direction)
     limits = robot.velocity_lower, robot.velocity_upper
     top = solve_hitting_speed(jacobian(robot, q, contact), h, *limits, straight=True).speed
+    if not robot.velocity_upper.any():
+        lack = "every velocity limit is zero or missing, so that no joint moves"
+        raise InfeasibleError(f"{robot.name}: {lack}; a TOML may give velocity = [...] (rad/s)")
     if not top > 0:
         raise InfeasibleError(f"joint {contact.joint} cannot move straight along the direction")
     for share in SHARES:

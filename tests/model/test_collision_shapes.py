@@ -109,6 +109,8 @@ FAULTS = {
     "box size = '0.4 nan 0.1'": BOX.replace("0.4 0.4", "0.4 nan"),
     "sphere radius = -0.2 must be above zero": BALL.replace("0.05", "-0.2"),
     "sphere radius = 0 must be above zero": BALL.replace("0.05", "0"),
+    "sphere radius = '1e300' is larger than any arm": BALL.replace("0.05", "1e300"),
+    "origin xyz = '0 0 -1e9' is larger than any arm": BOX.replace("0 0 0.1", "0 0 -1e9"),
     "sphere has no radius": BALL.replace("radius", "diameter"),
     "cylinder has no length": BALL.replace("sphere", "cylinder"),
     "capsule radius length = 0.2 -0.1 must be above zero": CAPSULE.replace('"0.1"', '"-0.1"'),
