@@ -100,12 +100,12 @@ class Corpus:
         assert outcome.code == 0, outcome.err
         return path
 
-    def mutated(self, chance: random.Random, kind: str) -> str:
+    def spoilt(self, chance: random.Random, kind: str) -> str:
         """Write a file of a kind that is not quite as it should be, and return its name."""
         source = chance.choice(self.good[kind])
         text = source.read_text(encoding="utf-8")
         for _ in range(chance.choice((0, 1, 1, 1, 2, 5))):
-            text = _mutated(chance, text)
+            text = mutated(chance, text)
         name = source.name if kind == "csv" else f"mutant.{kind}"
         path = self.folder / name
         if kind == "csv":
@@ -219,10 +219,10 @@ def _input(corpus: Corpus, chance: random.Random, long: str, hostile: bool) -> s
         text = chance.choice(HOSTILE_TEXTS)
         return text if text != "/dev/zero" else "/dev/null"
     kinds = INPUTS[long] if chance.random() < 0.9 else KINDS
-    return corpus.mutated(chance, chance.choice(kinds))
+    return corpus.spoilt(chance, chance.choice(kinds))
 
 
-def _mutated(chance: random.Random, text: str) -> str:
+def mutated(chance: random.Random, text: str) -> str:
     """Return a text with one thing changed."""
     return chance.choice(MUTATIONS)(chance, text)
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Callable
+from typing import Annotated, Any
 
 import typer
 
@@ -10,6 +11,7 @@ from hitjoints.version import __version__
 
 from . import (
     calibrate,
+    hit_command,
     inspect,
     plan,
     replay,
@@ -21,8 +23,20 @@ from . import (
     swing,
     view,
 )
+from .hit_sources import told
 from .option_groups import grouped
 
+COMMANDS: dict[str, Callable[..., Any]] = {
+    "hit": hit_command.hit,
+    "plan": plan.plan,
+    "rollout": rollout.rollout,
+    "swing": swing.swing,
+    "simulate": simulate.simulate,
+    "replay": replay.replay,
+    "calibrate": calibrate.calibrate,
+    "reproduce": reproduce.reproduce,
+    "view": view.view,
+}
 app = typer.Typer(
     help="Hit objects with different joints of a robot arm: inertia, speed and flux.",
     no_args_is_help=False,
@@ -32,16 +46,10 @@ app = typer.Typer(
     rich_markup_mode="rich",
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.command("inspect")(grouped(inspect.inspect))
+app.command("inspect")(grouped(inspect.inspect, told))
 app.add_typer(sweep.app, name="sweep")
-app.command("plan")(grouped(plan.plan))
-app.command("rollout")(grouped(rollout.rollout))
-app.command("swing")(grouped(swing.swing))
-app.command("simulate")(grouped(simulate.simulate))
-app.command("replay")(grouped(replay.replay))
-app.command("calibrate")(grouped(calibrate.calibrate))
-app.command("reproduce")(grouped(reproduce.reproduce))
-app.command("view")(grouped(view.view))
+for name, command in COMMANDS.items():
+    app.command(name)(grouped(command, told))
 app.add_typer(robots.app, name="robots")
 
 

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
 
 import typer
 
 from .option_groups import OptionGroup
-from .options import numbers, triple
+from .options import triple
 
 if TYPE_CHECKING:
     from hitjoints.hit import Hit
     from hitjoints.model.robot import Contact, Robot
+    from hitjoints.planning.plan_record import Plan
 
 OBJECT = "0.5,0.3,0.5"
 DIRECTION = "0,1,0"
@@ -27,10 +29,14 @@ SAME = 1e-9  # by which an option may differ from what a plan says
 
 @dataclass(frozen=True)
 class HitOptions(OptionGroup):
-    """The hit. What is not asked for is as a plan says, or else as usual."""
+    """The hit. What is not typed is as a file or a plan says, or else as usual."""
 
     panel: ClassVar[str] = "The hit"
 
+    file: Annotated[
+        Path | None,
+        typer.Option("--hit", metavar="FILE", help="hit.toml; what is typed goes before it."),
+    ] = None
     position: Annotated[
         str | None,
         typer.Option(
@@ -44,6 +50,10 @@ class HitOptions(OptionGroup):
             metavar="X,Y,Z",
             help=f"Hitting direction, robot base frame. (default: {DIRECTION})",
         ),
+    ] = None
+    goal: Annotated[
+        str | None,
+        typer.Option("--goal", metavar="X,Y,Z", help="Where the object is to slide to (m)."),
     ] = None
     mass: Annotated[
         float | None,
@@ -67,32 +77,58 @@ class HitOptions(OptionGroup):
         float | None,
         typer.Option("--flux", metavar="M/S", help="Desired hitting flux (Eq. 4)."),
     ] = None
+    object_speed: Annotated[
+        float | None,
+        typer.Option("--object-speed", metavar="M/S", help="Desired speed of the object."),
+    ] = None
+    restitution: Annotated[
+        float | None,
+        typer.Option("--restitution", help="Of arm and object, 0 to 1; a goal needs it."),
+    ] = None
+    friction: Annotated[
+        float | None,
+        typer.Option("--friction", help="Between object and table; a goal needs it."),
+    ] = None
 
-    def read(self, planned: Mapping[str, Any] | None = None) -> AskedHit:
+    def read(self, plan: Plan | None = None, **told: Any) -> AskedHit:
         """Read the values, and fill in what is not asked for.
 
         Args:
-            planned: what a plan says, by the names of `AskedHit`.
+            plan: that the values must not contradict.
+            told: restitution and friction, where a command has options of its own for them; a
+                goal or an object speed needs them.
 
         Raises:
             InputError: a value cannot be used, or contradicts the plan.
         """
-        asked = {
-            "position": None if self.position is None else triple(self.position, "object"),
-            "directions": None
-            if self.direction is None
-            else [triple(text, "direction") for text in self.direction],
+        from hitjoints.hit_loading import load_hit
+
+        positions = {
+            "object": self.position, "goal": self.goal,
+            "offset": None if self.offset == TIP else self.offset,
+        }  # fmt: skip
+        read = {name: None if v is None else triple(v, name) for name, v in positions.items()}
+        along = [triple(text, "direction") for text in self.direction or ()]
+        if plan is not None:
+            _check_plan(plan, read["object"], along, self.mass)
+        asked: dict[str, Any] = {
+            "position": read["object"],
+            "directions": tuple(along) or None,
+            "goal": read["goal"],
             "mass": self.mass,
-            "joints": self.joint,
-            "offset": self.offset
-            if self.offset in (None, TIP)
-            else triple(str(self.offset), "offset"),
+            "joints": None if self.joint is None else tuple(self.joint),
+            "offset": read["offset"] if self.offset != TIP else TIP,
             "flux": self.flux,
+            "object_speed": self.object_speed,
+            "restitution": self.restitution,
+            "friction": self.friction,
+            "base": load_hit(self.file) if self.file is not None else plan and plan.hit,
         }
-        plan = planned or {}
-        chosen = {name: _one(name, value, plan.get(name)) for name, value in asked.items()}
-        check_mass(MASS if chosen["mass"] is None else chosen["mass"])
-        return AskedHit(**{name: value for name, value in chosen.items() if value is not None})
+        if self.goal is not None or self.object_speed is not None:
+            asked |= told
+        check_mass(MASS if self.mass is None else self.mass)
+        given = {name: value for name, value in asked.items() if value is not None}
+        return AskedHit(**given)
 
 
 @dataclass(frozen=True)
@@ -101,40 +137,52 @@ class AskedHit:
 
     Attributes:
         position: (3,) m.
-        directions: (3,) each; most commands take one.
+        directions: (3,) each; most commands take one; a goal goes before them.
+        goal: (3,) m, where the object is to slide to.
         mass: kg.
         joints: to hit with; None for the robot's own.
         offset: (3,) m, of the contact in the joint's frame, or "tip" for that of the tool; None
             for the origin, and for the tip when no joint is named either.
         flux: m/s; None if none is demanded.
+        object_speed: m/s, asked for instead.
+        restitution: 0 to 1.
+        friction: of the object on its table.
+        base: a hit that says the rest.
     """
 
-    position: tuple[float, ...] = tuple(numbers(OBJECT))
-    directions: tuple[tuple[float, ...], ...] = (tuple(numbers(DIRECTION)),)
+    position: tuple[float, float, float] = triple(OBJECT, "object")
+    directions: tuple[tuple[float, float, float], ...] = (triple(DIRECTION, "direction"),)
+    goal: tuple[float, float, float] | None = None
     mass: float = MASS
     joints: tuple[int, ...] | None = None
     offset: tuple[float, float, float] | str | None = None
     flux: float | None = None
+    object_speed: float | None = None
+    restitution: float | None = None
+    friction: float | None = None
+    base: Hit | None = None
 
     @property
     def direction(self) -> tuple[float, ...]:
         """The one direction.
 
         Raises:
-            InputError: several were given.
+            InputError: several were given, or the goal lies nowhere.
         """
+        if self.goal is not None:
+            return tuple(self.hit(None).direction.tolist())
         return _only("direction", self.directions)
 
-    def contacts(self, robot: Robot) -> list[Contact]:
+    def contacts(self, robot: Robot) -> tuple[Contact, ...]:
         """Return the contacts to try: the robot's hitting joints if none is named.
 
         Raises:
             InputError: the robot has no such joint.
         """
         if self.joints is None and self.offset is None:
-            return list(robot.usual_contacts)
+            return robot.usual_contacts
         usual = (robot.n,) if self.offset == TIP else robot.hitting_joints
-        return [self._placed(robot, joint) for joint in self.joints or usual]
+        return robot.contacts([self._placed(robot, k) for k in self.joints or usual])
 
     def contact(self, robot: Robot) -> Contact:
         """Return the one contact: of the robot's usual joint if none is named.
@@ -156,19 +204,50 @@ class AskedHit:
             raise InputError("offset", TIP, wanted)
         return robot.flange
 
+    def hit(self, contact: Contact | Robot | None, **setting: Any) -> Hit:
+        """Return the hit.
+
+        Args:
+            contact: what hits; a robot for whichever of its joints is best.
+            setting: what else is asked for, by the names of `HitSetting`.
+
+        Raises:
+            InputError: a value cannot be used.
+        """
+        from dataclasses import replace
+
+        from hitjoints.hit import Hit
+        from hitjoints.model.robot import Contact
+
+        robot = None if contact is None or isinstance(contact, Contact) else contact
+        if robot is not None:
+            # The tip of a tool is kept in numbers.
+            at_tip = self.offset == TIP
+            joints = (robot.n,) if at_tip else self.joints
+            offset = self.contact(robot).offset if at_tip else self.offset
+            setting |= {"joints": joints, "offset": offset}
+        given: dict[str, Any] = {
+            "contact": contact if robot is None else None,
+            "position": self.position,
+            "mass": self.mass,
+            "goal": self.goal,
+            "direction": _only("direction", self.directions) if self.goal is None else None,
+            "flux": self.flux,
+            "object_speed": self.object_speed,
+            "restitution": self.restitution,
+            "friction": self.friction,
+        }
+        base = Hit(**given) if self.base is None else self.base.changed(**given)
+        return base.changed(setting=replace(base.setting, **setting))
+
     def flux_hit(self, robot: Robot) -> Hit:
         """Return the one hit with a flux, the usual one if none is asked for.
 
         Raises:
             InputError: a value cannot be used.
         """
-        import numpy as np
-
-        from hitjoints.hit import Hit
-
-        at, along = np.array(self.position), np.array(self.direction)
-        flux = FLUX if self.flux is None else self.flux
-        return Hit(self.contact(robot), at, along, self.mass, flux)
+        hit = self.hit(self.contact(robot))
+        return hit if hit.flux is not None else hit.changed(flux=FLUX)
 
 
 def check_mass(mass: float) -> None:
@@ -191,8 +270,8 @@ def _only(name: str, values: Sequence[T]) -> T:
     return values[0]
 
 
-def _one(name: str, asked: Any, planned: Any) -> Any:
-    """Return what is asked for or planned, and refuse to be asked for what is not planned.
+def _check_plan(plan: Plan, position: Any, along: Sequence[Any], mass: float | None) -> None:
+    """Refuse to be asked for what is not planned.
 
     Raises:
         InputError: an option contradicts the plan.
@@ -200,19 +279,14 @@ def _one(name: str, asked: Any, planned: Any) -> Any:
     import numpy as np
 
     from hitjoints.errors import InputError
+    from hitjoints.vectors import unit
 
-    if asked is None or planned is None:
-        return planned if asked is None else asked
-    if asked == TIP:  # which the plan, made with the same tool, says in numbers
-        return planned
-    same = np.shape(asked) == np.shape(planned)
-    if not same or not np.allclose(asked, planned, rtol=0, atol=SAME):
-        option = {"position": "object", "directions": "direction", "joints": "joint"}
-        words = f"the plan is for {_words(planned)}"
-        raise InputError(option.get(name, name), _words(asked), words)
-    return asked
-
-
-def _words(value: Any) -> str:
-    """Return a number, or several, as they are typed."""
-    return ",".join(map(_words, value)) if isinstance(value, (list, tuple)) else str(value)
+    pairs: list[tuple[str, Any, Any]] = [
+        ("object", position, plan.position),
+        *(("direction", unit(one), plan.direction) for one in along),
+        ("mass", mass, plan.mass),
+    ]
+    for name, asked, planned in pairs:
+        if asked is not None and not np.allclose(asked, planned, rtol=0, atol=SAME):
+            words = ",".join(f"{value:g}" for value in np.atleast_1d(planned))
+            raise InputError(name, asked, f"the plan is for {words}")

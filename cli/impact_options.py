@@ -76,7 +76,8 @@ class ImpactOptions(OptionGroup):
 
         if self.impact is None:
             for item in fields(self):
-                if getattr(self, item.name) is not None:
+                # A goal needs the restitution, too.
+                if item.name != "restitution" and getattr(self, item.name) is not None:
                     option = item.name.replace("_", "-")
                     raise typer.BadParameter(f"--{option} needs --impact, the model that reads it")
         elif self.impact not in (*MODELS, "all"):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .complaints import complain
-from .hit_options import HitOptions
+from .hit_options import AskedHit, HitOptions
 from .impact_options import ImpactOptions, impact_rows
 from .option_groups import without
 from .options import ConfigurationOption, JsonOption, numbers
@@ -15,12 +15,15 @@ from .render import print_json, print_table
 from .robot_options import RobotOptions
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from hitjoints.model.robot import Contact, Robot
 
 
 def inspect(
     robot: RobotOptions,
-    hit: Annotated[HitOptions, without("position", "flux")],
+    hit: Annotated[HitOptions, without("flux", "object_speed", "restitution")],
     impact: ImpactOptions,
     q: ConfigurationOption = None,
     as_json: JsonOption = False,
@@ -32,10 +35,10 @@ def inspect(
     from hitjoints.errors import InfeasibleError
 
     impact.check()
-    asked = hit.read()
+    asked = hit.read(restitution=impact.restitution)
     arm = robot.load()
     contact = asked.contact(arm)
-    configuration = arm.within_limits(arm.home if q is None else numbers(q))
+    configuration = _configuration(arm, contact, hit, asked, q)
     try:
         result = _quantities(arm, configuration, contact, asked.direction, asked.mass)
         reason = None
@@ -51,6 +54,26 @@ def inspect(
     if reason is not None:
         complain("no", reason)
         raise typer.Exit(3)
+
+
+def _configuration(
+    arm: Robot, contact: Contact, hit: HitOptions, asked: AskedHit, q: str | None
+) -> NDArray[np.float64]:
+    """Return the configuration asked for: at an object that is named, else at home.
+
+    Raises:
+        InputError: outside the limits, or of the wrong length.
+        InfeasibleError: the contact does not reach the object.
+    """
+    import numpy as np
+
+    from hitjoints.rollouts.prepare import placed
+
+    if q is not None:
+        return arm.within_limits(numbers(q))
+    if hit.position is None:
+        return arm.home
+    return placed(arm, contact, np.array(asked.position), arm.home)
 
 
 def _quantities(

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass, fields
 from functools import wraps
 from typing import Annotated, Any, ClassVar, NamedTuple, get_args, get_origin, get_type_hints
 
+import typer
 from typer.models import OptionInfo
 
+Fill = Callable[[Mapping[str, Any]], Mapping[str, Any]]
+CONTEXT = "context"  # the argument by which Typer tells what was typed
 KEYWORD = inspect.Parameter.KEYWORD_ONLY
 
 
@@ -37,11 +40,12 @@ def without(*names: str) -> Without:
     return Without(frozenset(names))
 
 
-def grouped(command: Callable[..., Any]) -> Callable[..., Any]:
+def grouped(command: Callable[..., Any], fill: Fill | None = None) -> Callable[..., Any]:
     """Return a command that takes the options of its groups one by one, as Typer reads them.
 
     Args:
         command: a function whose arguments are options, or groups of them.
+        fill: returns values for options that were not typed, from those that were, by name.
 
     Raises:
         TypeError: two options of the command have one name.
@@ -63,14 +67,25 @@ def grouped(command: Callable[..., Any]) -> Callable[..., Any]:
 
     @wraps(command)
     def call(**values: Any) -> Any:
+        context = values.pop(CONTEXT)
+        typed = {name: values[name] for name in values if _is_typed(context, name)}
+        told = {} if fill is None else fill(typed)
+        values |= {name: told[name] for name in told if name in values and name not in typed}
         for name, (kind, parts) in groups.items():
             values[name] = kind(**{part: values.pop(part) for part in parts})
         return command(**values)
 
+    flat.append(inspect.Parameter(CONTEXT, KEYWORD, annotation=typer.Context))
     del call.__dict__["__wrapped__"]  # Typer would look through to the command
     call.__signature__ = inspect.Signature(flat)  # type: ignore[attr-defined]
     call.__annotations__ = {parameter.name: parameter.annotation for parameter in flat}
     return call
+
+
+def _is_typed(context: typer.Context, name: str) -> bool:
+    """Tell whether an option was given a value on the command line."""
+    source = context.get_parameter_source(name)
+    return source is not None and source.name == "COMMANDLINE"
 
 
 def _group(hint: Any) -> tuple[type[OptionGroup] | None, frozenset[str]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
@@ -12,7 +11,7 @@ import typer
 from .complaints import complain
 from .hit_options import HitOptions
 from .impact_options import ImpactOptions
-from .option_groups import OptionGroup
+from .option_groups import OptionGroup, without
 from .options import (
     JsonOption,
     PlotOption,
@@ -30,8 +29,7 @@ if TYPE_CHECKING:
 
     from hitjoints.model.robot import Robot
     from hitjoints.planning.candidates import Candidate, Verdict
-    from hitjoints.planning.planner import Plan
-    from hitjoints.planning.room.surroundings import Surroundings
+    from hitjoints.planning.plan_record import Plan
     from hitjoints.planning.start import Start
     from hitjoints.planning.torque_cost import TorqueCost
 
@@ -91,6 +89,11 @@ class AimOptions(OptionGroup):
             return arm.acceleration is not None
         return self.flux_by == "deliverable"
 
+    def setting(self) -> dict[str, Any]:
+        """Return what a hit keeps of it."""
+        names = ("objective", "away", "torque_limits", "seed")
+        return {name: getattr(self, name) for name in names}
+
 
 @dataclass(frozen=True)
 class RoomOptions(OptionGroup):
@@ -113,16 +116,18 @@ class RoomOptions(OptionGroup):
         ),
     ] = None
 
-    def read(self) -> Surroundings:
-        """Read the values.
+    def setting(self) -> dict[str, Any]:
+        """Return what a hit keeps of it.
 
         Raises:
-            InputError: one cannot be used.
+            InputError: a value cannot be used.
         """
-        from hitjoints.planning.room.surroundings import Surroundings
-
         size = None if self.object_size is None else triple(self.object_size, "object_size")
-        return Surroundings(size, self.table_height, self.margin)
+        return {
+            "object_size": size,
+            "table_height": self.table_height,
+            "margin": self.margin,
+        }
 
 
 @dataclass(frozen=True)
@@ -140,7 +145,7 @@ class PlanOutputs(OptionGroup):
 
 def plan(
     robot: RobotOptions,
-    hit: HitOptions,
+    hit: Annotated[HitOptions, without("restitution")],
     aim: AimOptions,
     room: RoomOptions,
     impact: ImpactOptions,
@@ -151,41 +156,24 @@ def plan(
     With --impact by the inertia that a real arm shows: rotor is planned for exactly; by composite
     and elastic each joint's best configuration of the links alone is ranked again.
     """
-    from hitjoints.planning.planner import plan as make_plan
+    from hitjoints.planning.planner import plan_hit
+    from hitjoints.planning.room.surroundings import Surroundings
 
-    asked = hit.read()
-    check_outputs(output.plot, (output.out, "out", (".json",)), inputs=[robot.robot])
+    asked = hit.read(restitution=impact.restitution)
+    check_outputs(output.plot, (output.out, "out", (".json",)), inputs=[robot.robot, hit.file])
     arm = robot.load()
-    around = room.read()
-    planned = make_plan(
-        arm,
-        asked.position,
-        asked.direction,
-        asked.mass,
-        joints=asked.contacts(arm),
-        objective=aim.objective,
-        flux=asked.flux,
-        away=aim.away,
-        seed=aim.seed,
-        certificate=aim.certificate,
-        surroundings=around,
-        start=True,
-        torque_limits=aim.torque_limits,
-        deliverable=aim.deliverable(arm),
-        drives=impact.drives(),
-    )
-    result = planned.as_dict() | {"robot": robot.robot, "robot_digest": arm.digest}
+    setting = aim.setting() | room.setting() | {"deliverable": aim.deliverable(arm)}
+    wanted = asked.hit(arm, robot=robot.choice, **setting)
+    planned = plan_hit(wanted, arm, aim.certificate, impact.drives())
+    result = planned.as_dict() | {"robot": robot.robot}
     plot = None if planned.best is None else output.plot
     if output.out is not None:
-        from hitjoints.datasets.files import write_whole
-
-        text = json.dumps(result, allow_nan=False, indent=1) + "\n"
-        write_whole(output.out, "out", lambda path: path.write_text(text, encoding="utf-8"))
+        planned.save(output.out)
     if plot is not None:
         from hitjoints.show.figures import save_figure
         from hitjoints.show.plan_figure import draw_plan
 
-        save_figure(draw_plan(arm, planned, around.object_size), plot)
+        save_figure(draw_plan(arm, planned, Surroundings.of(wanted).object_size), plot)
     if output.as_json:
         print_json(result)
     else:

@@ -12,6 +12,7 @@ import typer
 from .option_groups import OptionGroup
 
 if TYPE_CHECKING:
+    from hitjoints.hit_setting import RobotChoice
     from hitjoints.model.robot import Robot
 
 ROBOT = "iiwa14"
@@ -71,6 +72,17 @@ class RobotOptions(OptionGroup):
             "package_dirs": self.package_dirs or (),
             "xacro_args": assigned(self.xacro_args or ()),
         }
+
+    @property
+    def choice(self) -> RobotChoice:
+        """The arm as a hit keeps it."""
+        from hitjoints.hit_setting import RobotChoice
+        from hitjoints.loading.facts import read_lock
+
+        given = self.chosen
+        dirs = tuple(str(folder) for folder in given.pop("package_dirs"))
+        lock = read_lock(given.pop("lock"))
+        return RobotChoice(self.robot, lock=lock, package_dirs=dirs, **given)
 
     def load(self) -> Robot:
         """Load it.

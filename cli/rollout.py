@@ -56,12 +56,12 @@ def rollout(
     """
     from hitjoints.rollouts.follow import rollout as roll
 
-    output.check(robot.robot, start.plan)
-    arm = robot.load()
-    planned = start.planned(robot.robot, arm.digest)
+    output.check(robot.robot, start.plan, hit.file)
+    planned = start.planned()
     asked = hit.read(planned)
+    arm = robot.load()
     wanted = asked.flux_hit(arm)
-    result = roll(arm, wanted, **start.arguments(planned), **asdict(motion))
+    result = roll(arm, wanted, **start.arguments(planned, wanted, arm), **asdict(motion))
     _write(result, output.out, output.plot)
     if output.as_json:
         said = {

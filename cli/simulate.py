@@ -10,7 +10,7 @@ import typer
 
 from .hit_options import HitOptions
 from .impact_options import RotorOption, StiffnessOption, of_joints
-from .option_groups import OptionGroup
+from .option_groups import OptionGroup, without
 from .options import check_outputs, triple
 from .output_options import OutputOptions
 from .render import print_json, print_table
@@ -117,7 +117,7 @@ class MovingOutputs(OutputOptions):
 
 def simulate(
     robot: RobotOptions,
-    hit: HitOptions,
+    hit: Annotated[HitOptions, without("restitution", "friction")],
     start: StartOptions,
     how: SettingOptions,
     output: MovingOutputs,
@@ -129,12 +129,12 @@ def simulate(
     """
     from hitjoints.evidence.physics.simulation import simulate as run
 
-    output.check(robot.robot, start.plan)
+    output.check(robot.robot, start.plan, hit.file)
+    planned = start.planned()
+    asked = hit.read(planned, restitution=how.restitution, friction=how.friction)
     arm = robot.load()
-    planned = start.planned(robot.robot, arm.digest)
-    asked = hit.read(planned)
     wanted = asked.flux_hit(arm)
-    result = run(arm, wanted, **how.arguments(), **start.arguments(planned))
+    result = run(arm, wanted, **how.arguments(), **start.arguments(planned, wanted, arm))
     _write(result, output.out, output.plot, output.animate)
     if output.as_json:
         said = {"robot": robot.robot, "joint": result.impact.contact.joint, "flux": wanted.flux}

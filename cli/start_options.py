@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
 from .option_groups import OptionGroup
 from .options import SeedOption, numbers, triple
+
+if TYPE_CHECKING:
+    from hitjoints.hit import Hit
+    from hitjoints.model.robot import Robot
+    from hitjoints.planning.plan_record import Plan
 
 
 @dataclass(frozen=True)
@@ -37,52 +41,43 @@ class StartOptions(OptionGroup):
     ] = False
     seed: SeedOption = 0
 
-    def arguments(self, planned: dict[str, Any]) -> dict[str, Any]:
-        """Return the arguments of `rollout` for its start.
+    def planned(self) -> Plan | None:
+        """Return the plan, if one is given.
 
         Raises:
-            InputError: a value cannot be used.
+            InputError: the file cannot be read, or is no plan.
+            InfeasibleError: the plan says that no joint can do it.
         """
+        if self.plan is None:
+            return None
+        from hitjoints.planning.plan_file import load_plan
+
+        plan = load_plan(self.plan)
+        assert plan.chosen_hit
+        return plan
+
+    def arguments(self, plan: Plan | None, hit: Hit, robot: Robot) -> dict[str, Any]:
+        """Return the arguments of a motion for its start.
+
+        Args:
+            plan: that the motion carries out.
+            hit: that the motion makes.
+            robot: the arm.
+
+        Raises:
+            InputError: a value cannot be used, or the plan is for another arm or joint.
+        """
+        from hitjoints.errors import InputError
+
+        if plan is not None:
+            plan.check_robot(robot)
+            if hit.contact != plan.chosen_hit.contact:
+                joint, planned = hit.chosen_contact.joint, plan.chosen_hit.chosen_contact.joint
+                raise InputError("joint", joint, f"the plan is for {planned}, with its offset")
         return {
             "q0": None if self.q0 is None else numbers(self.q0),
             "start": None if self.start is None else triple(self.start, "start"),
-            "q_hit": planned.get("q"),
+            "q_hit": None if plan is None or plan.best is None else plan.best.q,
             "torque_limits": self.torque_limits,
             "seed": self.seed,
         }
-
-    def planned(self, robot: str, digest: str) -> dict[str, Any]:
-        """Return what the plan says: position, directions, mass, joints, q; nothing without one.
-
-        Args:
-            robot: as it is asked for.
-            digest: of the arm that was loaded.
-
-        Raises:
-            InputError: the file cannot be read, is no plan, or is one for another robot.
-            InfeasibleError: the plan says that no joint can do it.
-        """
-        return {} if self.plan is None else _read_plan(self.plan, robot, digest)
-
-
-def _read_plan(path: Path, robot: str, digest: str) -> dict[str, Any]:
-    from hitjoints.errors import InfeasibleError, InputError
-
-    try:
-        plan = json.loads(path.read_text(encoding="utf-8"))
-        best = plan["best"]
-        found = {"position": plan["position"], "mass": plan["mass"]}
-        found["directions"] = (plan["direction"],)
-        if best is not None:
-            found |= {"joints": (best["joint"],), "q": best["q"], "offset": best.get("offset")}
-        made_for = plan["robot"]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError("plan", path, f"it is not a plan ({error})") from None
-    if best is None:
-        raise InfeasibleError(f"the plan {path} says no: {plan.get('summary', '')}")
-    if made_for != robot:
-        raise InputError("plan", path, f"it is made for {made_for}, not for {robot}")
-    if plan.get("robot_digest", digest) != digest:
-        wanted = f"it is made for another {robot}: with other numbers, tip, locked joints or tool"
-        raise InputError("plan", path, wanted)
-    return found

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import typer
 
+from .hit_sources import told
 from .option_groups import grouped
 from .sweep_contact_time import sweep_contact_time
 from .sweep_joint import sweep_joint
 from .sweep_workspace import sweep_workspace
 
 app = typer.Typer(help="Map inertia, speed and flux.", no_args_is_help=True)
-app.command("joint")(grouped(sweep_joint))
-app.command("contact-time")(grouped(sweep_contact_time))
-app.command("workspace")(grouped(sweep_workspace))
+app.command("joint")(grouped(sweep_joint, told))
+app.command("contact-time")(grouped(sweep_contact_time, told))
+app.command("workspace")(grouped(sweep_workspace, told))

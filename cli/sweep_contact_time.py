@@ -27,7 +27,7 @@ MAPPED = ((-0.9, 0.9, 37), (-0.9, 0.9, 37))
 
 def sweep_contact_time(
     robot: RobotOptions,
-    hit: Annotated[HitOptions, without("flux")],
+    hit: Annotated[HitOptions, without("flux", "object_speed", "restitution")],
     output: OutputOptions,
     longest: Annotated[
         float, typer.Option("--longest", metavar="S", help="From 0.0001 s to this.")
@@ -53,8 +53,8 @@ def sweep_contact_time(
     from hitjoints.maps.contact_time_sweep import crossings
     from hitjoints.maps.contact_time_sweep import sweep_contact_time as sweep
 
-    asked = hit.read()
-    output.check(robot.robot)
+    asked = hit.read(restitution=restitution)
+    output.check(robot.robot, hit.file)
     check_outputs(map_plot)
     if not (1e-4 < longest <= 1 and count >= 2):
         raise InputError("longest", longest, "a contact time above 0.0001 s, and --count above 1")

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def sweep_joint(
     robot: RobotOptions,
-    hit: Annotated[HitOptions, without("flux")],
+    hit: Annotated[HitOptions, without("flux", "object_speed")],
     output: OutputOptions,
     count: Annotated[int, typer.Option("--count", help="Angles per joint.")] = 181,
     q: Annotated[
@@ -37,7 +37,7 @@ def sweep_joint(
     import hitjoints as hj
 
     asked = hit.read()
-    output.check(robot.robot)
+    output.check(robot.robot, hit.file)
     arm = robot.load()
     swept = hj.sweep_joint(
         arm,

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from hitjoints.maps.workspace import Progress
     from hitjoints.model.robot import Robot
 
+WISHES = ("goal", "flux", "object_speed", "restitution", "friction")
 RANGE = "START:STOP:COUNT"
 
 
@@ -96,7 +97,7 @@ class MapOutputs(OptionGroup):
 
 def sweep_workspace(
     robot: RobotOptions,
-    hit: Annotated[HitOptions, without("position", "flux")],
+    hit: Annotated[HitOptions, without("position", *WISHES)],
     grid: GridOptions,
     work: WorkOptions,
     output: MapOutputs,
@@ -105,7 +106,7 @@ def sweep_workspace(
     import hitjoints as hj
 
     asked = hit.read()
-    output.check(robot.robot)
+    output.check(robot.robot, hit.file)
     arm = robot.load()
     with _progress() as progress:
         swept = hj.sweep_workspace(

@@ -77,12 +77,12 @@ class SwingOptions(OptionGroup):
         Raises:
             InputError: a size that no box has.
         """
-        from dataclasses import replace
-
-        import numpy as np
-
-        flux = None if self.fastest else wanted.flux
-        return replace(wanted, size=np.array(triple(self.size, "size")), flux=flux)
+        size = triple(self.size, "size")
+        if not self.fastest:
+            return wanted.changed(size=size)
+        return wanted.changed(
+            size=size, direction=wanted.direction, goal=None, object_speed=None, flux=None
+        )
 
 
 @dataclass(frozen=True)
@@ -123,14 +123,15 @@ def swing(
     """
     from hitjoints.swings.make_swing import swing as make
 
-    output.check(robot.robot, start.plan)
-    arm = robot.load()
-    planned = start.planned(robot.robot, arm.digest)
+    output.check(robot.robot, start.plan, hit.file)
+    planned = start.planned()
     asked = hit.read(planned)
-    given = start.arguments(planned)
+    arm = robot.load()
+    wanted = motion.hit(asked.flux_hit(arm))
+    given = start.arguments(planned, wanted, arm)
     result = make(
         arm,
-        motion.hit(asked.flux_hit(arm)),
+        wanted,
         q0=given["q0"],
         q_hit=given["q_hit"],
         seed=given["seed"],

@@ -9,11 +9,12 @@ from typing import Annotated, ClassVar
 import typer
 
 from .complaints import complain
-from .hit_options import FLUX, HitOptions
-from .option_groups import OptionGroup
+from .hit_options import HitOptions
+from .option_groups import OptionGroup, without
 from .options import ConfigurationOption, JsonOption, check_outputs, numbers
 from .render import print_json
 from .robot_options import RobotOptions
+from .start_options import StartOptions
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,7 @@ class ServeOptions(OptionGroup):
 def view(
     robot: RobotOptions,
     hit: HitOptions,
+    start: Annotated[StartOptions, without("q0", "start", "torque_limits", "seed")],
     output: ServeOptions,
     q: ConfigurationOption = None,
 ) -> None:
@@ -43,20 +45,23 @@ def view(
     from hitjoints.datasets.files import write_whole
     from hitjoints.show.viewer import view as show
 
-    asked, out = hit.read(), output.out
-    check_outputs(None, (out, "out", (".html",)), inputs=[robot.robot])
+    planned, out = start.planned(), output.out
+    asked = hit.read(planned)
+    check_outputs(None, (out, "out", (".html",)), inputs=[robot.robot, start.plan, hit.file])
     arm = robot.load()
-    contact = asked.contact(arm)
+    wanted = asked.flux_hit(arm)
+    contact, at_hit = wanted.chosen_contact, start.arguments(planned, wanted, arm)["q_hit"]
     for link, reason in arm.shape_faults[:1]:
         complain("warning", f"drawn with bars: a collision shape of {link}: {reason}")
     viewer = show(
         arm,
-        None if q is None else numbers(q),
+        at_hit if q is None else numbers(q),
         contact,
-        position=asked.position,
-        direction=asked.direction,
-        mass=asked.mass,
-        flux=FLUX if asked.flux is None else asked.flux,
+        position=wanted.position,
+        direction=wanted.direction,
+        mass=wanted.mass,
+        flux=wanted.desired_flux,
+        q_hit=at_hit,
         host=output.host,
         port=output.port,
     )

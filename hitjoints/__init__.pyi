@@ -39,6 +39,7 @@ from .evidence.recordings.replayer import replay as replay
 from .goals.landing import Landing as Landing
 from .goals.landing import landing as landing
 from .hit import Hit as Hit
+from .hit_loading import load_hit as load_hit
 from .hitting.controller import Controller as Controller
 from .hitting.drive_limits import DriveLimits as DriveLimits
 from .impact.collision import (
@@ -76,6 +77,7 @@ from .planning.learning.feasibility import (
 from .planning.learning.feasibility import (
     load_feasibility as load_feasibility,
 )
+from .planning.plan_file import load_plan as load_plan
 from .planning.planner import plan as plan
 from .planning.posture import posture as posture
 from .planning.real_arm import Drives as Drives

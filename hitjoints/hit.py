@@ -5,12 +5,14 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from hitjoints.errors import InputError, UnknownNameError
+from hitjoints.hit_setting import USUAL, HitSetting
 from hitjoints.impact.flux import flux as flux_at
 from hitjoints.impact.flux import speed_for
 from hitjoints.model.robot import Contact
@@ -18,6 +20,8 @@ from hitjoints.vectors import points, positive_mass, unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
+
+    from hitjoints.model.robot import Robot
 
     Array = NDArray[np.float64]
 
@@ -30,6 +34,9 @@ GRAVITY = 9.81
 LEAST_FLUX = 1e-6
 """m/s, the least flux that is a hit: an object so hit moves its own length in a day."""
 
+OBJECT = ("position", "mass", "size", "yaw", "restitution", "friction", "spread")
+SURROUNDINGS = ("object_size", "table_height", "margin")
+HOW = ("objective", "deliverable", "away", "torque_limits", "seed", "dt", "q0")
 LEVEL = 1e-6
 """m, and share of the way, up to which object and goal count as equally high."""
 
@@ -57,6 +64,7 @@ class Hit:
         size: (3,) m, edges of the box along the direction, across it and upwards.
         yaw: rad, how far the box is turned about the vertical, against the direction.
         spread: standard deviations by name, see `UNCERTAIN`.
+        setting: the arm, the joints to try, the surroundings, and how, see `HitSetting`.
 
     Raises:
         InputError: an argument is out of its range, of wrong shape, not finite, or says what
@@ -75,6 +83,7 @@ class Hit:
     size: Array | None = None
     yaw: float = 0.0
     spread: Mapping[str, float] | None = None
+    setting: HitSetting = USUAL
 
     def __post_init__(self) -> None:
         if self.contact is not None and not isinstance(self.contact, Contact):
@@ -189,28 +198,71 @@ class Hit:
 
     def with_flux(self, flux: float) -> Hit:
         """Return the same hit, asking for a flux (m/s)."""
-        known = {"contact", "position", "mass", "restitution", "friction", "size", "yaw", "spread"}
-        given = {name: getattr(self, name) for name in known}
-        return Hit(direction=self.direction, flux=flux, **given)
+        said = dict.fromkeys(HOW_HARD) | {"direction": self.direction, "flux": flux}
+        return self.changed(**said)
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return what was given, as JSON knows it; what was left out is left out."""
+    def changed(self, **values: Any) -> Hit:
+        """Return the same hit with some of its arguments changed."""
+        return Hit(**(self._given() | values))
+
+    def _given(self) -> dict[str, Any]:
+        """Return the arguments it was made of: what a goal or an object speed gave is left out."""
         found = {"direction", "flux"} if self.goal is not None else set()
         found |= {"flux"} if self.object_speed is not None else set()
-        given: dict[str, Any] = {}
-        for item in fields(self):
-            value = getattr(self, item.name)
-            if item.name in found or value is None or (item.name == "yaw" and value == 0):
-                continue
-            if isinstance(value, Contact):
-                given |= {"joint": value.joint, "offset": list(value.offset)}
-            elif isinstance(value, np.ndarray):
-                given[item.name] = value.tolist()
-            elif not isinstance(value, Mapping):
-                given[item.name] = value
-            elif value:
-                given[item.name] = dict(value)
-        return given
+        return {f.name: getattr(self, f.name) for f in fields(self) if f.name not in found}
+
+    def contacts(self, robot: Robot) -> tuple[Contact, ...]:
+        """Return the contacts to try with a robot: the one chosen, those named, or the robot's own.
+
+        Raises:
+            InputError: the robot has no such joint.
+        """
+        if isinstance(self.contact, Contact):
+            return (robot.contact(self.contact),)
+        joints, offset = self.setting.joints, self.setting.offset
+        if joints is None and offset is None:
+            return robot.usual_contacts
+        at = offset or (0.0, 0.0, 0.0)
+        return robot.contacts([Contact(joint, at) for joint in joints or robot.hitting_joints])
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what was given, table by table as in a file; what was left out is left out."""
+        from hitjoints.hit_file import told
+
+        given, setting = self._given(), self.setting
+        contact = self.contact if isinstance(self.contact, Contact) else None
+        joints = setting.joints if contact is None else (contact.joint,)
+        tables = {
+            "robot": {} if setting.robot is None else vars(setting.robot),
+            "contact": {
+                "joints": joints,
+                "offset": setting.offset if contact is None else contact.offset,
+            },
+            "object": {name: given.get(name) for name in OBJECT},
+            "wish": {name: given.get(name) for name in ("goal", "direction", *HOW_HARD[1:])},
+            "surroundings": {name: getattr(setting, name) for name in SURROUNDINGS},
+            "how": {name: getattr(setting, name) for name in HOW},
+        }
+        return told(tables)
+
+    def seen_from(self, folder: Path) -> Hit:
+        """Return the same hit, its paths relative to a folder."""
+        robot = self.setting.robot
+        seen = None if robot is None else robot.seen_from(folder)
+        return self.changed(setting=replace(self.setting, robot=seen))
+
+    def save(self, path: str | Path) -> None:
+        """Write a file that `load_hit` reads, with paths relative to it.
+
+        Raises:
+            InputError: it cannot be written.
+        """
+        from hitjoints.datasets.files import write_whole
+        from hitjoints.hit_file import check_tables, write_tables
+
+        path = Path(path)
+        text = write_tables(check_tables(self.seen_from(path.parent).as_dict(), str(path)))
+        write_whole(path, "hit", lambda made: made.write_text(text, encoding="utf-8"))
 
     def __eq__(self, other: object) -> bool:
         """Tell whether two hits ask for the same."""

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 FEW = 1000
 LARGEST_SEED = 2**63 - 1
+UNIT = 4 * np.finfo(float).eps  # how far from 1 a scaled vector's length may be
 TINY, HUGE = 1e-150, 1e150  # lengths whose squares neither under- nor overflow
 
 
@@ -28,6 +29,8 @@ def unit(direction: ArrayLike, argument: str = "direction") -> NDArray[np.float6
     if array.ndim == 1:
         # Plain floats: a controller asks for one direction a thousand times a second.
         length = math.hypot(*array.tolist())
+        if abs(length - 1.0) <= UNIT:
+            return array  # what was scaled once is not scaled again
         if TINY < length < HUGE:
             return array / length
     # Scaling by the largest entry first keeps tiny and huge vectors from under- or overflowing.

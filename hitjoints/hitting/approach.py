@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.errors import InfeasibleError
-from hitjoints.hitting.controller import MOST_STEPS, Controller, Step
+from hitjoints.hitting.controller import MOST_STEPS, Controller
+from hitjoints.hitting.step import Step
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -88,7 +88,9 @@ def accelerated(
 def run_from(robot: Robot, hit: Hit, q: Array, torque_limits: bool) -> tuple[Approach | None, str]:
     """Return the controller's run from rest at q (n,) rad, and why it is no hit, if it is none."""
     try:
-        controller = Controller(robot, hit, q, dt=CONTROL, torque_limits=torque_limits)
+        controller = Controller(
+            robot, hit, q, dt=CONTROL, torque_limits=torque_limits, compiled=False
+        )
         if controller.torques is not None:
             controller.torques.check_start(q)
         run = Approach(controller, q)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -117,10 +118,13 @@ Verdict = Candidate | Refusal
 
 
 def plain(value: Any) -> Any:
-    """Return a value as JSON knows it: arrays as lists, also inside a dictionary."""
+    """Return a value as JSON knows it: arrays as lists, what is not finite as None."""
     if isinstance(value, dict):
-        return {key: plain(item) for key, item in value.items()}
-    return value.tolist() if hasattr(value, "tolist") else value
+        return {str(key): plain(item) for key, item in value.items()}
+    listed = value.tolist() if hasattr(value, "tolist") else value
+    if isinstance(listed, (list, tuple)):
+        return [plain(item) for item in listed]
+    return None if isinstance(listed, float) and not math.isfinite(listed) else listed
 
 
 def away_gap(task: Task, q: Array) -> float:

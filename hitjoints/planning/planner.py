@@ -4,24 +4,29 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from functools import singledispatch
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hitjoints.datasets.describe import origin
 from hitjoints.errors import InputError
 from hitjoints.hit import Hit, check_flux
+from hitjoints.hit_setting import HitSetting, RobotChoice
 from hitjoints.hitting.drive_limits import drive_limits
 from hitjoints.impact.collision import required_speed
-from hitjoints.planning.candidates import Candidate, Verdict, plain
+from hitjoints.loading.catalogue import robot_names
+from hitjoints.planning.candidates import Candidate, Verdict
 from hitjoints.planning.joint_plan import plan_joint
 from hitjoints.planning.objectives.registry import objective_named
+from hitjoints.planning.plan_record import Plan
 from hitjoints.planning.real_arm import Drives
 from hitjoints.planning.request import Request
 from hitjoints.planning.room.surroundings import Surroundings
 from hitjoints.planning.start import Start, fastest_start, plan_start
 from hitjoints.planning.task import Task
-from hitjoints.planning.torque_cost import TorqueCost, torque_cost
+from hitjoints.planning.torque_cost import torque_cost
 from hitjoints.vectors import points, unit
 
 if TYPE_CHECKING:
@@ -32,73 +37,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """The answer: one candidate per joint, and the best of them.
-
-    Attributes:
-        robot: name.
-        position: (3,) m.
-        direction: (3,) unit vector.
-        mass: kg.
-        objective: what is best.
-        flux: m/s demanded, if any.
-        deliverable: that flux is demanded of a motion from rest to rest; else of Eq. 9's speed.
-        best: None if no joint can do it.
-        candidates: in the order of the joints asked for.
-        start: of the best hit, if it was asked for.
-        torque_costs: of every candidate that can do it, if torque limits were asked for.
-        impact: model of the arm's drives.
-    """
-
-    robot: str
-    position: Array
-    direction: Array
-    mass: float
-    objective: str
-    flux: float | None
-    best: Candidate | None
-    candidates: tuple[Verdict, ...]
-    start: Start | None = None
-    torque_costs: tuple[TorqueCost, ...] = ()
-    deliverable: bool = False
-    impact: str = "rigid"
-
-    @property
-    def summary(self) -> str:
-        """The paper's question answered in one line, the joints that can do it first."""
-        parts = [
-            f"joint {one.joint}: {one.inertia:.1f} kg, {one.speed:.2f} m/s"
-            if one.feasible
-            else f"joint {one.joint}: infeasible here because {one.reason}"
-            for one in sorted(self.candidates, key=lambda one: not one.feasible)
-        ]
-        return "; ".join(parts)
-
-    @property
-    def _flux_by(self) -> str:
-        return "deliverable" if self.deliverable else "speed"
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the answer as JSON knows it."""
-        return {
-            "robot": self.robot,
-            "position": plain(self.position),
-            "direction": plain(self.direction),
-            "mass": self.mass,
-            "objective": self.objective,
-            "impact": self.impact,
-            "required_flux": self.flux,
-            "flux_by": None if self.flux is None else self._flux_by,
-            "feasible": self.best is not None,
-            "summary": self.summary,
-            "best": None if self.best is None else self.best.as_dict(),
-            "candidates": [one.as_dict() for one in self.candidates],
-            "start": None if self.start is None else self.start.as_dict(),
-            "torque_costs": [one.as_dict() for one in self.torque_costs],
-        }
-
-
+@singledispatch
 def plan(
     robot: Robot,
     position: ArrayLike,
@@ -158,7 +97,7 @@ def plan(
     """
     wanted = objective_named(objective)
     drives = drives or Drives()
-    robot = drives.arm(robot)
+    digest, robot = robot.digest, drives.arm(robot)
     if wanted.needs_flux and flux is None:
         raise InputError("flux", flux, f"{objective} needs the flux to be reached (m/s)")
     if flux is not None:
@@ -198,20 +137,80 @@ def plan(
         for one, task in zip(candidates, tasks, strict=True)
         if torque_limits and one.q is not None
     )
+    alone = contacts[0] if len(contacts) == 1 else None
+    named = None if joints is None or alone is not None else contacts
+    setting = _setting(robot, named, surroundings or Surroundings())
+    setting = replace(
+        setting,
+        objective=objective,
+        deliverable=request.deliverable if flux is not None else None,
+        away=away,
+        torque_limits=torque_limits,
+        seed=seed,
+    )
     return Plan(
         robot.name,
-        target,
-        h,
-        float(mass),
-        objective,
-        flux,
+        Hit(alone, target, h, float(mass), flux, setting=setting),
         best,
         candidates,
+        digest,
+        str(origin(robot)["source"]),
         begin,
         costs,
         request.deliverable,
         drives.model,
     )
+
+
+def _setting(robot: Robot, contacts: Sequence[Contact] | None, around: Surroundings) -> HitSetting:
+    """Return what a hit keeps of the arm, of several contacts, and of the surroundings."""
+    offsets = {contact.offset for contact in contacts or ()}
+    return HitSetting(
+        RobotChoice(robot.name) if robot.name in robot_names() else None,
+        None if contacts is None else tuple(contact.joint for contact in contacts),
+        next(iter(offsets)) if len(offsets) == 1 else None,
+        around.object_size,
+        around.table_height,
+        around.margin,
+    )
+
+
+@plan.register(Hit)
+def plan_hit(  # type: ignore[misc]  # its first argument is another than that of plan
+    hit: Hit, robot: Robot | None = None, certificate: bool = True, drives: Drives | None = None
+) -> Plan:
+    """Choose the joint and the configuration for a hit that says all the rest itself.
+
+    Args:
+        hit: what is asked, with the arm and how to plan in its setting.
+        robot: the arm, if it is loaded already.
+        certificate: as `plan`.
+        drives: as `plan`.
+    """
+    setting = hit.setting
+    if robot is None:
+        if setting.robot is None:
+            raise InputError("robot", None, "the hit does not say with which arm")
+        robot = setting.robot.load()
+    asked = setting.deliverable
+    planned: Plan = plan(
+        robot,
+        hit.position,
+        hit.direction,
+        hit.mass,
+        joints=hit.contacts(robot),
+        objective=setting.objective,
+        flux=hit.flux,
+        away=setting.away,
+        seed=setting.seed,
+        certificate=certificate,
+        surroundings=Surroundings.of(hit),
+        start=True,
+        torque_limits=setting.torque_limits,
+        deliverable=robot.acceleration is not None if asked is None else asked,
+        drives=drives,
+    )
+    return replace(planned, hit=hit)
 
 
 def _demands(

@@ -41,7 +41,7 @@ def polish(program: Program, u: Vector, y: Vector, z: Vector) -> tuple[Vector, V
     k, m = int(free.sum()), right.size
     system = np.zeros((k + m, k + m))
     if p.H is not None:
-        system[:k, :k] = p.H[np.ix_(free, free)]
+        system[:k, :k] = p.H[free][:, free]
     system[:k, k:], system[k:, :k] = rows[:, free].T, rows[:, free]
     error = np.concatenate([p.bound_multipliers(u, y, z)[free], right - rows @ u])
     change = np.linalg.lstsq(system, error, rcond=DEPENDENT)[0]

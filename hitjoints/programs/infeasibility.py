@@ -55,7 +55,7 @@ def show_blocked(program: Program) -> Infeasibility | None:
     below = right - np.maximum(*ends).sum(axis=1)
     below[p.b.size :] = -np.inf
     excess = np.maximum(above, below)
-    equal, unequal, roundoff = p.row_sizes()
+    equal, unequal, roundoff = p.row_sizes
     worst = int(np.argmax(excess / np.maximum(np.concatenate([equal, unequal]), roundoff)))
     if excess[worst] <= roundoff:
         return None
@@ -74,7 +74,7 @@ def verify(program: Program, y: Vector, z: Vector) -> Infeasibility | None:
     """
     p = program
     z = np.maximum(z, 0)
-    equal, unequal, slack = p.row_sizes()
+    equal, unequal, slack = p.row_sizes
     slope = y @ p.A + z @ p.C
     margin = float(np.minimum(slope * p.lower, slope * p.upper).sum() - y @ p.b - z @ p.d)
     total = float(np.abs(y) @ equal + z @ unequal)
@@ -90,7 +90,7 @@ def verify(program: Program, y: Vector, z: Vector) -> Infeasibility | None:
 
 def show_conflict(program: Program, y: Vector, z: Vector) -> Infeasibility | None:
     """Return the proof that multipliers make, without rows of little share if it stands so."""
-    equal, unequal, _ = program.row_sizes()
+    equal, unequal, _ = program.row_sizes
     share = np.concatenate([np.abs(y) * equal, np.abs(z) * unequal])
     for cut in (MINOR, 0.0):
         kept = share >= cut * share.max()

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hitjoints.errors import InputError
-from hitjoints.vectors import real
+from hitjoints.vectors import all_finite, real
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -66,14 +67,14 @@ class Program:
                 value = value.reshape(shape)
             if value.shape != shape:
                 raise InputError(name, f"shape {value.shape}", f"shape {shape} is needed")
-            if not np.isfinite(value).all():
+            if not all_finite(value):
                 raise InputError(name, value.tolist(), "every number must be finite")
             object.__setattr__(self, name, value)
         if self.H is not None:
             size = float(np.abs(self.H).max(initial=0.0))
             if np.abs(self.H - self.H.T).max(initial=0.0) > CONVEX * size:
                 raise InputError("H", self.H.tolist(), "must be symmetric")
-            if np.linalg.eigvalsh(self.H).min(initial=0.0) < -CONVEX * size:
+            if not _convex(self.H, CONVEX * size):
                 raise InputError("H", self.H.tolist(), "must be positive semidefinite")
 
     @property
@@ -81,7 +82,7 @@ class Program:
         """Number of variables."""
         return self.c.size
 
-    @property
+    @cached_property
     def reach(self) -> Vector:
         """(n,) the largest magnitude each variable can take."""
         return np.maximum(np.abs(self.lower), np.abs(self.upper))
@@ -102,12 +103,22 @@ class Program:
         """
         return -np.asarray(self.curvature(x) + self.c + self.A.T @ y + self.C.T @ z)
 
+    @cached_property
     def row_sizes(self) -> tuple[Vector, Vector, float]:
-        """Return the size of each row's terms over the box, (m,) and (p,), and their round-off."""
+        """The size of each row's terms over the box, (m,) and (p,), and their round-off."""
         equalities = np.abs(self.A) @ self.reach + np.abs(self.b)
         inequalities = np.abs(self.C) @ self.reach + np.abs(self.d)
         largest = max(1.0, equalities.max(initial=0.0), inequalities.max(initial=0.0))
         return equalities, inequalities, ROUNDOFF * float(largest)
+
+
+def _convex(H: Matrix, slack: float) -> bool:
+    """Tell whether no eigenvalue is below -slack: a Cholesky factor is proof, and found faster."""
+    try:
+        np.linalg.cholesky(H)
+    except np.linalg.LinAlgError:
+        return bool(np.linalg.eigvalsh(H).min(initial=0.0) >= -slack)
+    return True
 
 
 @dataclass(frozen=True)
@@ -163,7 +174,7 @@ def residuals(program: Program, x: Vector, y: Vector, z: Vector, w: Vector) -> R
 def primal_residual(program: Program, x: Vector) -> float:
     """Return the largest violation of a row or a bound by x (n,), relative to its terms."""
     p = program
-    equal, unequal, roundoff = p.row_sizes()
+    equal, unequal, roundoff = p.row_sizes
     violations = np.concatenate([np.abs(p.A @ x - p.b), p.C @ x - p.d]) - roundoff
     outside = np.maximum(p.lower - x, x - p.upper)
     relative = _relative(violations, np.concatenate([equal, unequal]))

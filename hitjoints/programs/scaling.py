@@ -60,7 +60,7 @@ def scaled(program: Program) -> Scaled:
     """Scale a program whose box is not empty."""
     p = program
     middle, half = p.lower + 0.5 * (p.upper - p.lower), 0.5 * (p.upper - p.lower)
-    equal, unequal, roundoff = p.row_sizes()
+    equal, unequal, roundoff = p.row_sizes
     A, b, rows = _rows(p.A * half, p.b - p.A @ middle, equal, roundoff)
     C, d, bounds = _rows(p.C * half, p.d - p.C @ middle, unequal, roundoff)
     c, H = (p.c + p.curvature(middle)) * half, None

@@ -90,13 +90,15 @@ def answers(program: Program) -> Iterator[Solution]:
 
 def _polished(program: Program, small: Scaled, u: Vector, y: Vector, z: Vector) -> Solution:
     point = tuple(np.where(np.isfinite(part), part, 0.0) for part in (u, y, z))
-    best = _measured(program, small, *point)
+    first, best = point, None
     for _ in range(POLISHES):
         point = polish(small.program, *point)
-        best = _better(_measured(program, small, *point), best)
+        polished = _measured(program, small, *point)
+        best = polished if best is None else _better(polished, best)
         if best.residuals.worst <= EXACT:
-            break
-    return best
+            return best
+    raw = _measured(program, small, *first)
+    return raw if best is None else _better(best, raw)
 
 
 def _better(first: Solution, second: Solution) -> Solution:

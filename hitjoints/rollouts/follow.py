@@ -12,9 +12,10 @@ from hitjoints.dynamics.contact_point import ContactPoint
 from hitjoints.errors import InfeasibleError
 from hitjoints.hit import Hit
 from hitjoints.hitting.approach import Approach
-from hitjoints.hitting.controller import Controller, Gains, ReferenceName, Step
+from hitjoints.hitting.controller import Controller, ReferenceName
 from hitjoints.hitting.desired import Weighting
 from hitjoints.hitting.laws import LawName
+from hitjoints.hitting.step import Gains, Step
 from hitjoints.rollouts.prepare import prepare
 from hitjoints.rollouts.record import Rollout
 
@@ -94,6 +95,7 @@ def rollout(
         gains=gains,
         speed_profile=speed_profile,
         torque_limits=torque_limits,
+        compiled=False,
     )
     controller.check_step(found.q0)
     if controller.torques is not None:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from hitjoints.model.robot import Robot
-    from hitjoints.planning.planner import Plan
+    from hitjoints.planning.plan_record import Plan
 
 OBJECT = (0.12, 0.12, 0.12)  # m, edges of the box drawn for the object
 

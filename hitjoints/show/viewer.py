@@ -55,6 +55,7 @@ def view(
     direction: ArrayLike = (0.0, 1.0, 0.0),
     mass: float = 2.0,
     flux: float = 0.3,
+    q_hit: ArrayLike | None = None,
     host: str = "127.0.0.1",
     port: int = 8080,
 ) -> Viewer:
@@ -66,6 +67,7 @@ def view(
         contact: joint number or Contact; the last but one of the hitting joints by default.
         position, direction, mass, flux: the hit, see `Hit`; all but the offset of the contact can
             be changed in the browser.
+        q_hit: (n,) rad, the configuration that the hit is played to; planned when not given.
         host, port: where to serve; the next free port if this one is taken.
 
     Returns:
@@ -81,7 +83,10 @@ def view(
     if not 0 < port < 65536:
         raise InputError("port", port, "a port is from 1 to 65535")
     _check_address(host)
-    return Viewer(robot, hit, robot.within_limits(robot.home if q is None else q), host, port)
+    viewer = Viewer(robot, hit, robot.within_limits(robot.home if q is None else q), host, port)
+    if q_hit is not None:
+        viewer.remember(hit, robot.within_limits(q_hit, "q_hit"))
+    return viewer
 
 
 class Viewer:
@@ -100,6 +105,7 @@ class Viewer:
             raise MissingExtraError("viser", "view") from None
         self.robot, self.q = robot, q
         self._offset = robot.contact(hit.chosen_contact).offset
+        self._planned: tuple[Hit, Array] | None = None
         self._lock, self._moving = threading.RLock(), False
         shapes = solids(robot)
         self._carriers = [(one.joint, one.placement) for one in shapes]
@@ -130,6 +136,10 @@ class Viewer:
                 slider.value = value
             self._moving = False
             self._draw()
+
+    def remember(self, hit: Hit, q: Array) -> None:
+        """Play a hit to this configuration (n,) rad, as long as the panel says this hit."""
+        self._planned = hit, q
 
     def as_html(self) -> str:
         """Return a page that shows what is shown now, without a server and the panel."""
@@ -236,10 +246,14 @@ class Viewer:
         found = plan(self.robot, hit.position, hit.direction, hit.mass, [hit.chosen_contact])
         if found.best is None or found.best.q is None:
             raise InfeasibleError(found.candidates[0].reason)
+        self.remember(hit, found.best.q)
         self.move(found.best.q)
 
     def _play(self) -> None:
-        result = rollout(self.robot, self._hit())
+        hit, q_hit = self._hit(), None
+        if self._planned is not None and _is_at(self._planned[0], hit):
+            q_hit = self._planned[1]
+        result = rollout(self.robot, hit, q_hit=q_hit)
         every = max(1, round(1.0 / (FRAMES * SLOWER * result.dt)))
         frame = every * result.dt * SLOWER
         for q in result.rows["q"][::every]:
@@ -293,6 +307,16 @@ class Viewer:
             position=here,
         )
         return f"\n\nBlue surface: {label}."
+
+
+def _is_at(planned: Hit, hit: Hit) -> bool:
+    """Tell whether a planned hit is this one but for its flux."""
+    same = np.array_equal(planned.position, hit.position) and planned.mass == hit.mass
+    return (
+        same
+        and np.allclose(planned.direction, hit.direction, rtol=0, atol=1e-12)
+        and planned.contact == hit.contact
+    )
 
 
 def _check_address(host: str) -> None:

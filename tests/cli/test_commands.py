@@ -72,7 +72,8 @@ def test_robots_list(run):
     outcome = run("robots", "list", "--json")
     names = {row["name"] for row in outcome.json["robots"]}
     assert names >= {"iiwa14", "iiwa14_bullet", "iiwa7", "panda", "xarm7"}
-    assert all(name in run("robots").out for name in names)
+    said = run("robots").out
+    assert all(name in said for name in names)
 
 
 def test_robots_check(run, tmp_path):

@@ -86,11 +86,17 @@ def test_what_one_command_takes_once(run, arm):
         HitOptions(joint=[8]).read().contact(arm("iiwa14"))
 
 
-def test_a_value_that_contradicts_the_plan():
-    planned = {"position": [1, 2, 3], "mass": 1.0}
-    with pytest.raises(InputError, match="the plan is for"):
-        HitOptions(position="1,2,4").read(planned)
-    assert HitOptions(position="1,2,3").read(planned).mass == 1.0
+def test_a_value_that_contradicts_the_plan(arm):
+    import hitjoints as hj
+
+    plan = hj.plan(arm("iiwa14"), [0.5, 0.3, 0.5], [0, 1, 0], 2.0, [6], certificate=False)
+    with pytest.raises(InputError, match=r"object = .*the plan is for 0.5,0.3,0.5"):
+        HitOptions(position="0.5,0.3,0.6").read(plan)
+    with pytest.raises(InputError, match=r"direction = .*the plan is for 0,1,0"):
+        HitOptions(direction=["0,1,0.1"]).read(plan)
+    with pytest.raises(InputError, match=r"mass = 2.5: the plan is for 2"):
+        HitOptions(mass=2.5).read(plan)
+    assert HitOptions(position="0.5,0.3,0.5", direction=["0,3,0"], mass=2.0).read(plan)
 
 
 @pytest.mark.parametrize("words", [["plan", "--no-certificate"], ["sweep", "joint", "--count", 5]])

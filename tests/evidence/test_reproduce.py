@@ -16,7 +16,7 @@ from hitjoints.evidence.paper.scenario import Scenario
 from hitjoints.evidence.paper.spread import study_spread
 from hitjoints.evidence.paper.table import as_csv, as_markdown, shown
 from hitjoints.evidence.paper.variants import VARIANTS, phantom_robot
-from hitjoints.hitting.controller import Gains
+from hitjoints.hitting.step import Gains
 from hitjoints.show.figures import save_figure
 from hitjoints.show.paper_figures import draw_reproduction
 

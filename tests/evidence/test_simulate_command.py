@@ -113,7 +113,7 @@ def test_the_moving_picture_moves(run, tmp_path, monkeypatch):
         (["--restitution", "1.5"], 1, "restitution = 1.5: it must lie from 0 to 1"),
         (["--restitution", "-0.1"], 1, "restitution = -0.1"),
         (["--restitution", "nan"], 1, "restitution = nan"),
-        (["--size", "0.1,0,0.1"], 1, "size = (0.1, 0.0, 0.1): three lengths above 0 m"),
+        (["--size", "0.1,0,0.1"], 1, "size = (0.1, 0.0, 0.1): three edges from 0.001 to 10 m"),
         (["--size", "0.1,0.1"], 1, "size = 0.1,0.1"),
         (["--friction", "-1"], 1, "friction = -1"),
         (["--friction", "5e-4"], 1, "friction = 0.0005: the box would slide for more than 60 s"),

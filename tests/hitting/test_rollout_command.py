@@ -119,7 +119,7 @@ def test_the_figure_is_drawn(run, tmp_path):
         (["--reference", "best"], 1, "constant, optimised"),
         (["--direction", "0,0,0"], 1, "must not be zero"),
         (["--start", "0.5,0.4,0.5"], 1, "beyond the object"),
-        (["--plan", "missing.json"], 1, "not a plan"),
+        (["--plan", "missing.json"], 1, "plan --out` wrote is needed"),
         (["--out", "hit.txt"], 1, "must end in"),
         (["--object=-1,0,0.2"], 3, "unreachable"),
         (["--object=-1,0,0.2", "--q0=-0.34,1.41,-1.38,1.6,0.48,1.97,1.32"], 3, "out of reach"),

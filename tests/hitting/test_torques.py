@@ -198,7 +198,9 @@ def test_an_arm_that_cannot_hold_itself_is_refused(urdf):
 
 def test_a_way_to_rest_that_asks_for_too_much_between_its_moments(monkeypatch):
     """The one of a thousand random rollouts that needs the nearest step."""
-    monkeypatch.setattr("tests.oracles.random_rollouts.rollout", lambda *given, **options: (given, options))
+    monkeypatch.setattr(
+        "tests.oracles.random_rollouts.rollout", lambda *given, **options: (given, options)
+    )
     given, options = next(islice(random_rollouts(999, torque_limits=True), 998, None))
     nearest, taken = Brake._nearest, []
     monkeypatch.setattr(Brake, "_nearest", lambda *its: taken.append(nearest(*its)) or taken[-1])

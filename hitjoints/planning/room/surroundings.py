@@ -13,6 +13,7 @@ from hitjoints.planning.room.clearance import Clearance, clearance
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from hitjoints.hit import Hit
     from hitjoints.model.robot import Contact, Robot
 
 APPROACH = 0.1  # m, of straight approach that is looked at
@@ -32,6 +33,15 @@ class Surroundings:
     object_size: tuple[float, float, float] | None = None
     table_height: float | None = None
     margin: float | None = None
+
+    @classmethod
+    def of(cls, hit: Hit) -> Surroundings:
+        """Return what a hit says stands around it; its box is held by one with the base's axes."""
+        setting = hit.setting
+        size = setting.object_size
+        if size is None and hit.size is not None:
+            size = _held(hit.size, hit.direction, hit.yaw)
+        return cls(size, setting.table_height, setting.margin)
 
     def __post_init__(self) -> None:
         if self.margin is not None and not np.isfinite(self.margin):
@@ -75,3 +85,15 @@ class Surroundings:
         if here.least < self.margin:
             return False
         return self.clearance(robot, q, contact, h).least >= self.margin
+
+
+def _held(
+    size: NDArray[np.float64], h: NDArray[np.float64], yaw: float
+) -> tuple[float, float, float]:
+    """Return the edges (m) of the box with the base's axes that holds a box along a direction."""
+    across = np.cross((0.0, 0.0, 1.0), h)
+    across = across / np.linalg.norm(across) if across.any() else np.array((0.0, 1.0, 0.0))
+    axes = np.column_stack((h, across, np.cross(h, across)))
+    turned = np.array(((np.cos(yaw), -np.sin(yaw), 0), (np.sin(yaw), np.cos(yaw), 0), (0, 0, 1)))
+    x, y, z = np.abs(axes @ turned) @ size
+    return float(x), float(y), float(z)

@@ -1,0 +1,103 @@
+"""What belongs to a hit beside the object and the wish: the arm, the surroundings, and how."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from hitjoints.loading.catalogue import robot_names
+from hitjoints.loading.load import load_robot
+from hitjoints.model.robot import Robot
+
+
+@dataclass(frozen=True)
+class RobotChoice:
+    """What `load_robot` takes.
+
+    Attributes:
+        source: name or path.
+        tip, base, lock, tool, package_dirs, xacro_args: as `load_robot`; None and empty are the
+            usual.
+    """
+
+    source: str = "iiwa14"
+    tip: str | None = None
+    base: str | None = None
+    lock: Mapping[str, float] = field(default_factory=dict)
+    tool: str | None = None
+    package_dirs: tuple[str, ...] = ()
+    xacro_args: Mapping[str, str] = field(default_factory=dict)
+
+    def load(self) -> Robot:
+        """Load the arm; errors as `load_robot`."""
+        return load_robot(
+            self.source,
+            self.tip,
+            self.base,
+            self.lock,
+            self.tool,
+            self.package_dirs,
+            self.xacro_args or None,
+        )
+
+    def seen_from(self, folder: Path) -> RobotChoice:
+        """Return the choice with its paths, relative to here, as they are seen from a folder."""
+        here = Path(os.path.abspath(folder))
+        return self._with_paths(lambda path: os.path.relpath(path, here))
+
+    def found_from(self, folder: Path) -> RobotChoice:
+        """Return the choice with its paths, relative to a folder, as they are seen from here."""
+        return self._with_paths(lambda path: os.path.join(folder, path), folder)
+
+    def _with_paths(self, move: Any, folder: Path = Path()) -> RobotChoice:
+        is_name = self.source in robot_names() or not os.path.isfile(folder / self.source)
+        return replace(
+            self,
+            source=self.source if is_name else move(self.source),
+            tool=None if self.tool is None else move(self.tool),
+            package_dirs=tuple(move(path) for path in self.package_dirs),
+        )
+
+
+@dataclass(frozen=True)
+class HitSetting:
+    """The arm, the joints to try, the surroundings, and how the hit is planned and made.
+
+    Attributes:
+        robot: the arm; None where a function is given it.
+        joints: 1-based, to try; None for the robot's hitting joints.
+        offset: (3,) m, of the contact in each joint's frame; None for the joint's origin, and for
+            the tip of a tool when no joint is named either.
+        object_size: (3,) m, edges of the object seen along the axes of the base frame; None for
+            the box that the hit's size makes.
+        table_height: m, z of the table's plane; None for no table.
+        margin: m, clearance to keep; None to report it only.
+        objective: of `plan`.
+        deliverable: whether a flux is demanded of a motion from rest to rest; None where the
+            drives' limits are known.
+        away: whether the away condition (Eq. 14) is demanded.
+        torque_limits: whether motions keep the motors' torque limits.
+        seed: of everything random.
+        dt: s, of motions; None for their own.
+        q0: (n,) rad, where motions start; None for what suits each.
+    """
+
+    robot: RobotChoice | None = None
+    joints: tuple[int, ...] | None = None
+    offset: tuple[float, float, float] | None = None
+    object_size: tuple[float, float, float] | None = None
+    table_height: float | None = None
+    margin: float | None = None
+    objective: str = "inertia"
+    deliverable: bool | None = None
+    away: bool = True
+    torque_limits: bool = False
+    seed: int = 0
+    dt: float | None = None
+    q0: tuple[float, ...] | None = None
+
+
+USUAL = HitSetting()
