@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 GROUPS = 4
 SAMPLES = 512  # per group
 STARTS, STRAIGHT_STARTS = 32, 24  # per group and climb; fewer where qd doubles the variables
+ANY = 16  # starts per group that are not chosen by their value
 KEPT = 3  # optima per group that hops start from
 VARIANTS = 48  # per optimum
 ROUNDS = 4  # of hops, at most; until all groups agree twice in turn
@@ -97,6 +98,11 @@ def search(problem: HitProblem, sampler: Sampler, seed: int, hints: Sequence[Arr
         _starts(problem, q[pool], value[pool], excess[pool], count, weight / _apart(group))
         for group, pool in enumerate(pools)
     ]
+    for group, (pool, rng) in enumerate(zip(pools, rngs, strict=True)):
+        # An optimum may be narrow, and the samples near it poor: some starts are any at all.
+        usable = pool[excess[pool] == 0]
+        blind = rng.permutation(usable)[:ANY]
+        starts[group] = np.concatenate((starts[group], q[blind]))
     for group, known in enumerate(hints):
         starts[group] = np.concatenate((known[:, : problem.n], starts[group]))
     now = _climb(problem, starts)
