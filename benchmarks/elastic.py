@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 import hitjoints as hj
+from benchmarks.harness import seconds
 from hitjoints.evidence.physics.engine_scene import ImpactState
 from hitjoints.evidence.physics.setting import Setting
 from hitjoints.evidence.physics.strike import strike
 from tests.oracles.random_rollouts import feasible_hits
+from tests.oracles.spring_arms import random_case
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -111,8 +113,30 @@ def compare(
         )
 
 
+def energy_grows(count: int, seed: int = 0) -> int:
+    """Return in how many of `count` random hits the energy grows, in the contact or after it.
+
+    Links of 1e-3 to 5 kg m^2, joints of 1e2 to 1e7 N m/rad, servos at every other.
+    """
+    random, grown = np.random.default_rng(seed), 0
+    for i in range(count):
+        case = random_case(random, stiffest=7, lightest=-3, servo=bool(i % 2))
+        parted = case.arm.collide(case.m, case.v, (case.k, case.d), case.time)
+        held = parted.swing.energy(0.0)
+        after = held + case.k * parted.depth**2 / 2
+        later = max(parted.swing.energy(time) for time in (1e-4, 1e-3, 1e-2, 1e-1))
+        grown += after > case.energy * (1 + 1e-9) or later > held * (1 + 1e-9)
+    return grown
+
+
 def main(count: int) -> None:
-    """Print the errors of each arm at each contact time."""
+    """Print the errors of each arm at each contact time, energy that grows, and the time of one."""
+    cases = 10_000 if count >= 60 else 100 * count
+    print(f"energy grows in {energy_grows(cases)} of {cases} random hits")
+    robot, _ = rotors_of("iiwa14")
+    asked = robot, robot.home, 7, (0.0, 1.0, 0.0), 0.4, 1.0, 0.5
+    spent = min(seconds(lambda: hj.elastic_impact(*asked, 0.01)) for _ in range(200))
+    print(f"one elastic impact takes {1e3 * spent:.2f} ms")
     print("arm      contact  object speed off, %: median, 95 of 100, most   robot speed, % of v")
     for name in ARMS:
         hits = planned(name, count)

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.dynamics.inertia import factor_mass_matrix, require_mobile
-from hitjoints.dynamics.kinematics import point_jacobian
+from hitjoints.dynamics.kinematics import WORLD_ALIGNED, point_jacobian
 from hitjoints.errors import InputError
 from hitjoints.impact.restitution import contact_spring
 from hitjoints.impact.rotor import known_rotors, known_stiffness, per_joint
@@ -100,9 +100,9 @@ def elastic_impact(
         damping: N m s/rad of the joints, (n,) or one number.
         servo: gains (N m/rad, N m s/rad), each (n,) or one number, of servos at the rotors, which
             keep the motion before the hit.
-        qd: (n,) rad/s, the arm's motion at the impact. The arm is then taken as it is in the middle
-            of the contact, where it has moved on, and what it does of itself, torque-free or led
-            by its servos, is added to its speed. None: as it is at the impact.
+        qd: (n,) rad/s, the arm's motion at the impact. The arm is then taken as it stands in the
+            middle of the contact, where it has moved on, and what its own motion does to its links
+            is added, as long as nothing compensates it. None: as it stands at the impact.
         rotor_inertia: kg m^2, reflected, (n,) or one number; None: the robot's. Where it is zero,
             the joint has no spring either.
         spring: stiffness (N/m) and damping (N s/m) of the contact, in place of those that
@@ -140,17 +140,15 @@ def elastic_impact(
         if not (np.isfinite(between).all() and between[0] > 0 and between[1] >= 0):
             raise InputError("spring", spring, "a stiffness above 0 and a damping not below 0")
     parted = arm.collide(mass, speed, between, contact_time)
-    gained = 0.0
     if qd is not None:
         motion = robot.one_configuration(qd, "qd")
         half = (contact_time if parted.time is None else parted.time) / 2
-        led = (gains[0] + gains[1]).any()
-        at, gained = _in_the_middle(robot, q, motion, contact, h, half, coasting=not led)
-        response, pull = _links(robot, at, contact, h)
-        moved = replace(arm, response=response, pull=pull)
-        parted = moved.collide(mass, speed + gained, between, contact_time)
+        response, pull = _links(robot, q + half * motion, contact, h)
+        own, bend = _own_motion(robot, q, motion, contact, h)
+        moved = replace(arm, response=response, pull=pull, own=own, bend=bend)
+        parted = moved.collide(mass, speed, between, contact_time)
     object_speed = parted.impulse / mass
-    robot_speed = object_speed + parted.closing + gained
+    robot_speed = object_speed + parted.closing
     lost, share = speed - robot_speed, object_speed / ((1.0 + restitution) * speed)
     return ElasticImpact(
         object_speed,
@@ -176,24 +174,24 @@ def _links(robot: Robot, q: Array, contact: Contact, h: Array) -> tuple[Array, A
     return inverse, g
 
 
-def _in_the_middle(
-    robot: Robot, q: Array, qd: Array, contact: Contact, h: Array, half: float, *, coasting: bool
+def _own_motion(
+    robot: Robot, q: Array, qd: Array, contact: Contact, h: Array
 ) -> tuple[Array, float]:
-    """Return where an arm is half a contact later, and what its contact's speed has gained, m/s.
+    """Return what an arm does of itself, its gravity compensated and its motors free of torque.
 
-    An arm that coasts, free of torque but for gravity's compensation, is bent by its own motion.
+    Returns:
+        The joints' accelerations (n,) rad/s^2, and the contact's along h without them (m/s^2).
     """
-    before = h @ point_jacobian(robot.model, robot.data, q, contact) @ qd
-    later = qd
-    if coasting:
-        still = np.zeros(robot.n)
-        model = robot.weightless_model
-        own = pin.rnea(model, model.createData(), q, qd, still)
-        factor_mass_matrix(robot.model, robot.data, q)
-        later = qd - half * pin.cholesky.solve(robot.model, robot.data, own)
-    at = q + half * qd
-    after = h @ point_jacobian(robot.model, robot.data, at, contact) @ later
-    return at, float(after - before)
+    model, data = robot.weightless_model, robot.data
+    still = np.zeros(robot.n)
+    own = pin.rnea(model, model.createData(), q, qd, still)
+    factor_mass_matrix(robot.model, data, q)
+    accelerations = -pin.cholesky.solve(robot.model, data, own)
+    pin.forwardKinematics(robot.model, data, q, qd, still)
+    bent = pin.getFrameClassicalAcceleration(
+        robot.model, data, contact.joint, contact.placement, WORLD_ALIGNED
+    )
+    return accelerations, float(h @ bent.linear)
 
 
 def pair_spring(

@@ -44,10 +44,11 @@ class Exponentials:
         return Exponentials(-self.amplitude, self.rate, -self.offset, -self.slope)
 
     def integral(self, until: float) -> float:
-        """Return the integral of the exponentials, without offset and slope, from 0 to a time."""
+        """Return the integral from 0 to a time."""
         rate = np.where(self.rate == 0, 1.0, self.rate)
         spans = np.where(self.rate == 0, until, np.expm1(rate * until) / rate)
-        return float((self.amplitude @ spans).real)
+        line = self.offset * until + self.slope * until**2 / 2
+        return float((self.amplitude @ spans).real) + line
 
     def bend(self, time: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return bounds (T,) of the second derivative's size from these times on."""

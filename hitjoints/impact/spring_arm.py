@@ -5,7 +5,8 @@ Deviations from the uniform motion before the hit, links q, rotors t, object y:
     M q'' = K (t - q) + D (t' - q') - g F,     B t'' = -K (t - q) - D (t' - q') - Kp t - Kd t',
     m y'' = F = k p + d p',                    p = v time + g.q - y.
 
-M, g = J^T h and v are those of the moment of the hit, so that this is linear.
+M, g = J^T h and v are those of the moment of the hit, so that this is linear. What the links do of
+themselves, bent by their own motion, adds constant accelerations to q and p.
 """
 
 from __future__ import annotations
@@ -63,6 +64,8 @@ class SpringArm:
         damping: (n,) N m s/rad.
         gains: (n,) N m/rad and (n,) N m s/rad, of servos at the rotors, or at the link where there
             is none.
+        own: (n,) rad/s^2, of the links by their own motion; None: none.
+        bend: m/s^2, of the contact along the direction by the same, the links' turning left out.
     """
 
     response: Array
@@ -71,6 +74,8 @@ class SpringArm:
     stiffness: Array
     damping: Array
     gains: tuple[Array, Array]
+    own: Array | None = None
+    bend: float = 0.0
 
     @property
     def mobility(self) -> float:
@@ -88,21 +93,30 @@ class SpringArm:
             spring: k (N/m) and d (N s/m) of the contact.
             contact_time: s, about how long they touch.
         """
-        mobility, stiffness, damping = self._springs(mass, *spring)
-        rate = np.zeros(len(stiffness))
-        rate[-1] = speed
-        motion = Vibration(mobility, stiffness, damping, np.zeros(len(stiffness)), rate)
-        force = Exponentials(motion.force(-1), motion.rates)
+        mobility, stiffness, damping, drift = self._springs(mass, *spring)
+        start = np.zeros(len(stiffness))
+        start[-1] = speed
+        # About the forces that would hold against the drift, the springs swing as without it.
+        hold = np.linalg.solve(mobility, drift)
+        firm = stiffness > 0
+        rest = np.where(firm, hold / np.where(firm, stiffness, 1.0), 0.0)
+        glide = np.where(firm, 0.0, hold / np.where(firm, 1.0, damping))
+        motion = Vibration(mobility, stiffness, damping, -rest, start - glide)
+        force = Exponentials(motion.force(-1), motion.rates, float(hold[-1]))
         parting = _parting(force, contact_time)
         until = TOGETHER * contact_time if parting is None else parting
         elongation, rate = motion.state(until)
+        elongation, rate = elongation + rest, rate + glide
         stiffness[-1] = damping[-1] = 0.0
         swing = Vibration(mobility, stiffness, damping, elongation, rate)
         impulse, depth = force.integral(until), float(elongation[-1])
         return Parted(parting, impulse, float(rate[-1]), depth, spring, swing)
 
-    def _springs(self, mass: float, k: float, d: float) -> tuple[Array, Array, Array]:
-        """Return W (S, S), stiffness and damping (S,) of joints, servos and, last, the contact."""
+    def _springs(self, mass: float, k: float, d: float) -> tuple[Array, Array, Array, Array]:
+        """Return W (S, S), stiffness, damping and drift (S,) of joints, servos, last the contact.
+
+        The drift is the elongations' acceleration by the links' own motion.
+        """
         n = len(self.pull)
         sprung = np.flatnonzero(self.rotors > 0)
         held = np.flatnonzero(self.gains[0] + self.gains[1] > 0)
@@ -117,10 +131,13 @@ class SpringArm:
         springs[rows, sprung], springs[rows, driven[sprung]] = -1.0, 1.0
         springs[np.arange(len(sprung), len(springs) - 1), driven[held]] = 1.0
         springs[-1, :n], springs[-1, -1] = self.pull, -1.0
+        drift = np.zeros(len(springs)) if self.own is None else springs[:, :n] @ self.own
+        drift[-1] += self.bend
         return (
             springs @ lightness @ springs.T,
             np.concatenate([self.stiffness[sprung], self.gains[0][held], [k]]),
             np.concatenate([self.damping[sprung], self.gains[1][held], [d]]),
+            drift,
         )
 
 

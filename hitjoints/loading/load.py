@@ -169,7 +169,7 @@ def build_robot(description: Description, arm: Arm) -> Robot:
         title=facts.get("title", name),
         source=" ".join(facts.get("source", "").split()),
         licence=facts.get("licence", ""),
-        folder="" if description.folder is None else str(description.folder),
+        package_directory="" if description.folder is None else str(description.folder),
         package_dirs=description.package_dirs,
         tool=arm.tool,
         **{key: drive_fact(facts, key, n, name) for key in DRIVE_FACTS},

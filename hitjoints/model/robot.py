@@ -76,7 +76,8 @@ class Robot:
             it is the tool's tip.
         xml: the URDF as given to Pinocchio.
         title, source, licence: where the numbers come from.
-        folder: of the description, "" for a text; its meshes are looked for from there.
+        package_directory: the folder of the description, "" for a text; its meshes are looked for
+            from there.
         package_dirs: folders that hold the packages of `package://` addresses.
         tool: what is welded to the flange, which `model` and `xml` hold already.
         acceleration: (n,) rad/s^2, acceleration limits of the drives; None when not known.
@@ -97,7 +98,7 @@ class Robot:
     title: str = ""
     source: str = field(default="", repr=False)
     licence: str = ""
-    folder: str = field(default="", repr=False)
+    package_directory: str = field(default="", repr=False)
     package_dirs: tuple[str, ...] = field(default=(), repr=False)
     tool: Tool | None = field(default=None, repr=False)
     acceleration: NDArray[np.float64] | None = field(default=None, repr=False)
@@ -231,7 +232,7 @@ class Robot:
         from hitjoints.model.collision_shapes import build_shapes, read_shapes
 
         shapes, faults = read_shapes(self.xml)
-        geometry, more = build_shapes(self.model, shapes, self.folder, self.package_dirs)
+        geometry, more = build_shapes(self.model, shapes, self.package_directory, self.package_dirs)
         return geometry, faults + more
 
     @property
@@ -269,7 +270,7 @@ class Robot:
         """Hash of the meshes that clearance depends on, which the description only names."""
         from hitjoints.model.collision_shapes import mesh_digest
 
-        return mesh_digest(self.xml, self.folder, self.package_dirs)
+        return mesh_digest(self.xml, self.package_directory, self.package_dirs)
 
     @property
     def usual_joint(self) -> int:

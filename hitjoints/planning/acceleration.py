@@ -69,9 +69,10 @@ def accelerated(
         shown = replace(tried, feasible=False, reason=why)
         if run is None:
             return shown
-        if not why and run.impact is not None:
-            if run.impact.speed >= REACHED * start.speed and run.impact.miss <= settled:
-                return _with_path(robot, tried, run)
+        slow = run.impact is not None and run.impact.speed < REACHED * start.speed
+        if run.impact is not None and not why and not slow and run.impact.miss <= settled:
+            return _with_path(robot, tried, run)
+        if run.impact is not None and (slow or not why):
             shown = replace(
                 shown,
                 reason=f"the torque limits let the contact reach {run.impact.speed:.3g} m/s of "

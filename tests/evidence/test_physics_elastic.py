@@ -79,6 +79,31 @@ def test_what_is_left_goes_with_the_speed(arm):
     assert off[1] < 0.2 * off[0]
 
 
+def test_an_arm_that_moves_on_is_taken_in_the_middle_of_the_contact(arm):
+    robot = arm("iiwa14")
+    random = np.random.default_rng(8)
+    moved, still = [], []
+    for seed in range(6):
+        one = state_of(robot, 7, seed)
+        own = random.normal(0, 0.5, robot.n)
+        jac = jacobian(robot, one.q, one.contact)
+        qd = one.qd + own - np.linalg.pinv(jac) @ jac @ own  # the arm moves, its contact does not
+        state = ImpactState(one.contact, one.direction, one.mass, one.q, qd, one.point)
+        engine = strike(robot, state, elastic(robot, 0.02), lambda _, qd=qd: qd)
+        for off, motion in ((moved, qd), (still, None)):
+            told = hj.elastic_impact(
+                robot, one.q, one.contact, one.direction, 1.0, 0.5, 0.6, 0.02, K, qd=motion
+            )
+            off.append(
+                (
+                    told.object_speed / engine.object_speed - 1,
+                    (told.robot_speed - 0.5 - engine.rebound) / 0.5,
+                )
+            )
+    with_motion, without = np.abs(moved).mean(axis=0), np.abs(still).mean(axis=0)
+    assert (with_motion < 0.4 * without).all()
+
+
 def test_a_servo_is_felt_through_the_contact(arm):
     # A contact that holds the two bodies to their own motion would not yield to it.
     robot = arm("iiwa14")

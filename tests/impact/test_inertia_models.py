@@ -5,6 +5,9 @@ import pinocchio as pin
 import pytest
 
 import hitjoints as hj
+from hitjoints.impact.rotor import with_rotors
+from hitjoints.kernels.formulas.chain import Chain
+from hitjoints.kernels.outputs import record
 
 H = np.array([0.0, 1.0, 0.0])
 
@@ -109,3 +112,12 @@ def test_what_is_not_known_is_said():
     for wrong in (-1.0, np.nan, [1.0, 2.0], "heavy"):
         with pytest.raises(hj.InputError, match="rotor_inertia"):
             hj.impact_inertia(arm, arm.home, 5, H, "rotor", rotor_inertia=wrong)
+
+
+def test_rotors_cost_the_kernels_next_to_nothing(arm):
+    operations = []
+    for robot in (arm, with_rotors(arm)):
+        chain = Chain.from_model(robot.model)
+        program = record(chain, [chain.attach(7, (0.0, 0.0, 0.1))], ("inertia", "gradient"))
+        operations.append(program.count)
+    assert operations[1] <= 1.02 * operations[0]
