@@ -73,7 +73,7 @@ class Controller:
         InfeasibleError: the object is out of the contact's reach.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913
         self,
         robot: Robot,
         hit: Hit,

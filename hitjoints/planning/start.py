@@ -76,7 +76,7 @@ class Start:
         return {k: v.tolist() if hasattr(v, "tolist") else v for k, v in values.items()}
 
 
-def plan_start(
+def plan_start(  # noqa: PLR0913
     robot: Robot,
     q: ArrayLike,
     contact: Contact | int,
