@@ -18,7 +18,6 @@ from typing import Any
 import numpy as np
 
 import hitjoints as hj
-from benchmarks.swing_checker import judge
 from hitjoints.built import kernel_for
 from hitjoints.hit import Hit
 from hitjoints.model.robot import Robot
@@ -26,6 +25,7 @@ from hitjoints.planning.room.shapes import scene_of
 from hitjoints.quantities import place_joint
 from hitjoints.swings.make_swing import swing
 from hitjoints.swings.swing_record import Swing
+from tests.oracles.swing_checker import judge
 
 SIZE = np.array([0.1, 0.1, 0.1])
 MARGIN = 0.005

@@ -74,6 +74,8 @@ def rollout(
     else:
         _print(result)
     output.tell()
+    if not result.sendable:
+        complain("warning", f"not sendable: {result.why}; `hitjoints swing` makes a motion that is")
     if result.reason:
         complain("no", result.reason)
         raise typer.Exit(3)

@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.built import chain_of
+from hitjoints.built import chain_of, refused_by_name
 from hitjoints.errors import KernelMismatchError
 from hitjoints.hitting.step import SLOWED, Step
 from hitjoints.hitting.step_tape import Setting, record_step_of
 from hitjoints.kernels.reference import PinocchioAnswers
 from hitjoints.kernels.tape.backends import choose
-from hitjoints.kernels.tape.scalar import ScalarProgram
 from hitjoints.kernels.verify import samples
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from hitjoints.kernels.tape.scalar import ScalarProgram
     from hitjoints.model.robot import Contact, Robot
 
     Array = NDArray[np.float64]
@@ -102,9 +102,14 @@ def program_for(robot: Robot, contact: Contact) -> ScalarProgram:
 
     Raises:
         KernelMismatchError: its kinematics or inertias disagree.
+        ModelError: a joint carries no inertia.
     """
+    from hitjoints.kernels.tape.scalar import ScalarProgram  # which needs llvmlite
+
     chain = chain_of(robot)
-    program = ScalarProgram(record_step_of(chain, chain.attach(contact.joint, contact.offset)))
+    attached = chain.attach(contact.joint, contact.offset)
+    with refused_by_name(robot):
+        program = ScalarProgram(record_step_of(chain, attached))
     inputs, outputs, run = program.bind()
     n, data = robot.n, robot.model.createData()
     where = (contact.joint, contact.offset)

@@ -76,7 +76,8 @@ class Robot:
             it is the tool's tip.
         xml: the URDF as given to Pinocchio.
         title, source, licence: where the numbers come from.
-        package_directory: the folder of the description, "" for a text; its meshes are looked for from there.
+        package_directory: the folder of the description, "" for a text; its meshes are looked for
+            from there.
         package_dirs: folders that hold the packages of `package://` addresses.
         tool: what is welded to the flange, which `model` and `xml` hold already.
         acceleration: (n,) rad/s^2, acceleration limits of the drives; None when not known.

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+AT_REST = 1e-9
+"""rad/s, slower than that an arm has stopped."""
+
 VARIABLES = {
     "q": ("rad", "joint positions (m for a prismatic joint)", ("axis",)),
     "qd": ("rad/s", "joint velocities from here to the next row", ("axis",)),
@@ -97,6 +100,37 @@ class Rollout:
         ratios = np.abs(self.rows["torque"][:, told]) / effort[told]
         return float(ratios.max()) if told.any() else math.nan
 
+    @property
+    def acceleration_ratio_max(self) -> float:
+        """Greatest change of a velocity from step to step, in units of the acceleration limit.
+
+        The first is that from rest; nan if the robot does not tell its limits.
+        """
+        most = self.robot.acceleration
+        if most is None:
+            return math.nan
+        steps = np.diff(self.rows["qd"], axis=0, prepend=0.0)
+        return float(np.max(np.abs(steps) / (self.dt * most)))
+
+    @property
+    def why(self) -> str:
+        """What keeps a controller of the real arm from following it; empty when it is sendable."""
+        told = {
+            f"accelerations are up to {self.acceleration_ratio_max:.3g} times their limits": (
+                self.acceleration_ratio_max > 1
+            ),
+            f"torques are up to {self.torque_ratio_max:.3g} times their limits": (
+                self.torque_ratio_max > 1
+            ),
+            "it does not end at rest": bool(np.abs(self.rows["qd"][-1]).max() > AT_REST),
+        }
+        return "; ".join(words for words, broken in told.items() if broken)
+
+    @property
+    def sendable(self) -> bool:
+        """It keeps all known limits, of accelerations and torques too, and ends at rest."""
+        return not self.why
+
     @cached_property
     def dataset(self) -> Dataset:
         """One row per step, until the arm rests after the impact; the same for the same input."""
@@ -118,6 +152,8 @@ class Rollout:
             "mass": float(self.hit.mass),
             "desired_flux": float(self.hit.desired_flux),
             "reason": self.reason,
+            "sendable": int(self.sendable),
+            "why": self.why,
         }
         if self.impact is not None:
             for name in ("time", "miss", "direction_error", "inertia", "speed", "flux"):
@@ -143,6 +179,9 @@ class Rollout:
             "velocity_ratio_max": self.velocity_ratio_max,
             "position_violation_max": self.position_violation_max,
             "torque_ratio_max": self.torque_ratio_max,
+            "acceleration_ratio_max": self.acceleration_ratio_max,
+            "sendable": self.sendable,
+            "why": self.why,
             "step_time_us": {
                 "median": 1e6 * float(np.median(times)),
                 "p99": 1e6 * float(np.percentile(times, 99)),

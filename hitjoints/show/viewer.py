@@ -27,6 +27,7 @@ from hitjoints.show.drawn_arm import ARROW, BOX, INERTIA, LINK, inertia_surface,
 from hitjoints.show.figures import colour_of
 from hitjoints.show.origin import own_pages_only
 from hitjoints.show.solids import solids
+from hitjoints.swings.make_swing import swing
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -46,7 +47,7 @@ ENDS = (signal.SIGINT, signal.SIGTERM)
 GLASS = 0.7  # opacity of the links: a joint's origin lies inside its link
 
 
-def view(
+def view(  # noqa: PLR0913
     robot: Robot,
     q: ArrayLike | None = None,
     contact: Contact | int | None = None,
@@ -198,6 +199,7 @@ class Viewer:
                 "place the joint at the object": self._place,
                 "plan for inertia": self._plan,
                 f"hit, {SLOWER:g} times slower": self._play,
+                "swing from here": self._swing,
                 "home": lambda: self.move(robot.home),
             }
             for label, work in works.items():
@@ -250,13 +252,25 @@ class Viewer:
         self.move(found.best.q)
 
     def _play(self) -> None:
-        hit, q_hit = self._hit(), None
-        if self._planned is not None and _is_at(self._planned[0], hit):
-            q_hit = self._planned[1]
+        hit, q_hit = self._hit(), self._planned_for(self._hit())
         result = rollout(self.robot, hit, q_hit=q_hit)
-        every = max(1, round(1.0 / (FRAMES * SLOWER * result.dt)))
-        frame = every * result.dt * SLOWER
-        for q in result.rows["q"][::every]:
+        self._show(result.rows["q"], SLOWER * result.dt)
+
+    def _swing(self) -> None:
+        hit = self._hit()
+        made = swing(self.robot, hit, q0=self.q, q_hit=self._planned_for(hit))
+        self._show(made.joints.q, made.dt)
+
+    def _planned_for(self, hit: Hit) -> Array | None:
+        """Return the planned configuration (n,) rad, if it is one for this hit."""
+        planned = self._planned
+        return planned[1] if planned is not None and _is_at(planned[0], hit) else None
+
+    def _show(self, rows: Array, dt: float) -> None:
+        """Show configurations (N, n), a row every dt s."""
+        every = max(1, round(1.0 / (FRAMES * dt)))
+        frame = every * dt
+        for q in rows[::every]:
             began = time.monotonic()
             self.move(q)
             time.sleep(max(0.0, frame - (time.monotonic() - began)))

@@ -171,6 +171,8 @@ class Stroke:
     def at(self, times: Array) -> Joints:
         """Return the joints at times (N,) s."""
         t = np.asarray(times)[:, None] - self.impact
+        if (t <= 0).all():
+            return winding_up(self.q_hit, self.velocity, self.curvature, self.wind_up, t)
         T = self.wind_up.time
         up, down = self.wind_up.up(t + T), self.stop.down(t - self.coast)
         before, after = t < 0, t > self.coast
@@ -184,14 +186,31 @@ class Stroke:
         )
         waiting = (t + T < 0) | (t > self.coast + self.stop.time)
         s1, s2, s3 = (np.where(waiting, 0.0, value) for value in (s1, s2, s3))
-        v, c = self.velocity, self.curvature
-        slope = v + c * s
-        return Joints(
-            self.q_hit + v * s + 0.5 * c * s**2,
-            slope * s1,
-            slope * s2 + c * s1**2,
-            slope * s3 + 3.0 * c * s1 * s2,
-        )
+        return _along(self.q_hit, self.velocity, self.curvature, Progress(s, s1, s2, s3))
+
+
+def winding_up(q_hit: Array, velocity: Array, curvature: Array, ramp: Ramp, t: Array) -> Joints:
+    """Return the joints of wind-ups at times t <= 0 before the impact, in s.
+
+    The arguments are those of `Stroke`, and may be of many strokes at once: whatever fits t.
+    """
+    up = ramp.up(t + ramp.time)
+    s, s1, s2, s3 = up._replace(way=up.way - ramp.time / 2)
+    waiting = t + ramp.time < 0
+    s2, s3 = (np.where(waiting, 0.0, value) for value in (s2, s3))
+    return _along(q_hit, velocity, curvature, Progress(s, s1, s2, s3))
+
+
+def _along(q: Array, v: Array, c: Array, progress: Progress) -> Joints:
+    """Return the joints on q + v s + c s^2 / 2."""
+    s, s1, s2, s3 = progress
+    slope = v + c * s
+    return Joints(
+        q + v * s + 0.5 * c * s**2,
+        slope * s1,
+        slope * s2 + c * s1**2,
+        slope * s3 + 3.0 * c * s1 * s2,
+    )
 
 
 @dataclass(frozen=True, eq=False)

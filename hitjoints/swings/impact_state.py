@@ -79,7 +79,15 @@ def _least_norm(J: Array, velocity: Array, lower: Array, upper: Array) -> Array 
     return qd if np.linalg.norm(J @ qd - velocity) <= EXACT else None
 
 
-def straightening(robot: Robot, q: Array, qd: Array, contact: Contact, h: Array, J: Array) -> Array:
+def straightening(
+    robot: Robot,
+    q: Array,
+    qd: Array,
+    contact: Contact,
+    h: Array,
+    J: Array,
+    widths: Array,
+) -> Array:
     """Return the curvature c (n,) rad/s^2 with which q + qd s + c s^2 / 2 has no sideways one.
 
     Across h the contact's acceleration J c + J' qd vanishes; of all such c the smallest.
@@ -87,6 +95,7 @@ def straightening(robot: Robot, q: Array, qd: Array, contact: Contact, h: Array,
     Args:
         robot, contact: the arm and what it hits with.
         q, qd: (n,) rad and rad/s. h: (3,), unit. J: (3, n) m/rad at q.
+        widths: (n,), the unit that each c is measured in; zero for joints that are not to bend.
     """
     model, data = robot.model, robot.data
     pin.forwardKinematics(model, data, q, qd, np.zeros(robot.n))
@@ -94,5 +103,5 @@ def straightening(robot: Robot, q: Array, qd: Array, contact: Contact, h: Array,
         model, data, contact.joint, contact.placement, WORLD_ALIGNED
     ).linear
     across = np.linalg.svd(h[None, :])[2][1:]
-    rows = across @ J
-    return np.asarray(-np.linalg.pinv(rows, rcond=1e-6) @ (across @ bent))
+    rows = across @ J * widths
+    return np.asarray(-widths * (np.linalg.pinv(rows, rcond=1e-6) @ (across @ bent)))

@@ -10,7 +10,7 @@ import numpy as np
 from hitjoints.built import kernel_for
 from hitjoints.quantities import place_joint
 from hitjoints.swings.clear_way import Obstacle, Room
-from hitjoints.swings.curves import Joints, Stroke
+from hitjoints.swings.curves import Joints, Stroke, winding_up
 from hitjoints.swings.hit_samples import COAST
 from hitjoints.swings.impact_state import straightening
 from hitjoints.swings.motion_limits import greatest_ratios, torques
@@ -37,6 +37,9 @@ NEAR, ANGLE = 5e-3, 2.5
 """m and deg, the direction is no more than so much off from there on."""
 COARSE, FINE = 32, 160
 """Moments of a stroke that are looked at: for limits and path, and for clearance."""
+AT_LIMIT, BENDING = 0.97, 0.8
+"""Share of its velocity limit above which a joint does not slow down towards the impact, and of the
+acceleration limits that bending may take."""
 USED = 0.97
 """Share of the torque limits used: there are moments between those looked at."""
 
@@ -72,7 +75,7 @@ class StrokeSearch:
     def strokes(self, strike: Strike, box: Obstacle | None) -> Iterator[tuple[Stroke, str]]:
         """Yield strokes, straight ones first, each with what is in its way: nothing, or a word."""
         coast = COAST / strike.speed
-        for curves in (self._straightened, self._lines, self._through_the_line):
+        for curves in (self._bent, self._lines, self._through_the_line):
             tried = [
                 Stroke(strike.q, strike.qd, curvature, wind_up, coast, wind_up)
                 for curvature, wind_up in curves(strike)
@@ -81,11 +84,25 @@ class StrokeSearch:
                 blocked = reason or self._wind_up_clear(stroke, box)
                 yield (stroke, blocked) if blocked else self._stopped(stroke, strike)
 
-    def _straightened(self, strike: Strike) -> Iterator[tuple[Array, Ramp]]:
-        """Yield parabolas whose contact's path is not curved sideways at the impact."""
-        h = self._hit.direction
-        bent = straightening(self._robot, strike.q, strike.qd, self._contact, h, strike.J)
-        return ((bent, wind_up) for wind_up in self._wind_ups(strike, individual=False))
+    def _bent(self, strike: Strike) -> Iterator[tuple[Array, Ramp]]:
+        """Yield parabolas whose contact's path curves sideways at the impact as little as can be.
+
+        Joints at their velocity limits cannot come from a higher velocity, and none can bend more
+        than its acceleration allows.
+        """
+        limits, v = self._limits, strike.qd
+        top = np.where(v > 0, limits.velocity_upper, -limits.velocity_lower)
+        widths, given = limits.acceleration.copy(), (self._contact, self._hit.direction, strike.J)
+        for _ in range(3):
+            bent = straightening(self._robot, strike.q, v, *given, widths)
+            faster = (np.abs(v) > AT_LIMIT * top) & (bent * v < 0)
+            if not faster.any():
+                break
+            widths[faster] = 0.0
+        bent[faster] = 0.0
+        bent *= min(1.0, BENDING / float(np.max(np.abs(bent) / limits.acceleration, initial=1e-9)))
+        yield from ((bent, wind_up) for wind_up in self._wind_ups(strike, individual=False))
+        yield from ((bent, wind_up) for wind_up in self._wind_ups(strike, individual=True))
 
     def _lines(self, strike: Strike) -> Iterator[tuple[Array, Ramp]]:
         """Yield lines, each joint winding up as long as its room allows."""
@@ -121,16 +138,23 @@ class StrokeSearch:
         """Yield what is in the way of each wind-up: limits, path, torques."""
         if not tried:
             return
-        late = np.array([2.0, 1.2, 1.0, 0.5]) * NEAR / strike.speed
-        moments = []
-        for stroke in tried:
-            even = np.linspace(0.0, stroke.impact, COARSE - len(late))
-            moments.append(np.sort(np.concatenate((even, np.maximum(stroke.impact - late, 0.0)))))
-        joints = [stroke.at(times) for stroke, times in zip(tried, moments, strict=True)]
-        seen = self._seen(np.concatenate([its.q for its in joints]), self._hit.direction)
-        positions = seen["position"][0].reshape(len(tried), COARSE, 3)
-        jacobians = seen["jacobian"][0].reshape(len(tried), COARSE, 3, -1)
-        for its, where, J in zip(joints, positions, jacobians, strict=True):
+        late = -np.array([2.0, 1.2, 1.0, 0.5]) * NEAR / strike.speed
+        longest = np.array([[stroke.impact] for stroke in tried])
+        even = longest * np.linspace(-1.0, 0.0, COARSE - len(late))
+        moments = np.sort(np.concatenate((even, np.maximum(late, -longest)), axis=1), axis=1)
+        ramp = Ramp(
+            *(np.array(part)[:, None] for part in zip(*(s.wind_up for s in tried), strict=True))
+        )
+        curvature = np.array([stroke.curvature for stroke in tried])[:, None]
+        all_joints = winding_up(strike.q, strike.qd, curvature, ramp, moments[:, :, None])
+        shape = all_joints.q.shape
+        seen = self._seen(all_joints.q.reshape(-1, shape[2]), self._hit.direction)
+        positions = seen["position"][0].reshape(*shape[:2], 3)
+        jacobians = seen["jacobian"][0].reshape(*shape[:2], 3, shape[2])
+        for joints, where, J in zip(
+            zip(*all_joints, strict=True), positions, jacobians, strict=True
+        ):
+            its = Joints(*joints)
             reason = self._within(its) or self._straight(its, where, J)
             yield reason or ("" if self._torques_fit(its) else "torque")
 
@@ -183,10 +207,8 @@ class StrokeSearch:
         """Return the stroke with the fastest stop that fits."""
         robot, size = self._robot, np.maximum(np.abs(strike.qd), 1e-9)
         a, j = self._limits.acceleration_used / size, self._limits.jerk_used / size
-        least, most = least_time(a, j), np.full(robot.n, np.inf)
-        if not stroke.curvature.any():
-            room = np.where(strike.qd > 0, robot.upper - strike.q, strike.q - robot.lower)
-            most = 2.0 * (0.99 * room / size - stroke.coast)
+        room = np.where(strike.qd > 0, robot.upper - strike.q, strike.q - robot.lower)
+        least, most = least_time(a, j), 2.0 * (0.99 * room / size - stroke.coast)
         reason = ""
         for factor in FACTORS:
             ramp = ramp_of(np.minimum(factor * least.max(), most), a, j)

@@ -36,12 +36,18 @@ SIZE = (0.1, 0.1, 0.1)
 """m, edges of the object where none are given."""
 HOLDING = 0.95
 """Share of the torque limits that gravity may take at the impact."""
-TIERS = (0.995, 0.98, 0.95, 0.9, 0.8, 0.65, 0.5, 0.3)
-"""Shares of the greatest flux, where no flux is asked for: strokes of more are tried first."""
+TIERS = (0.999, 0.99, 0.975, 0.95, 0.92, 0.88, 0.83, 0.77, 0.7, 0.6, 0.5, 0.4, 0.3)
+"""Shares of the greatest flux that are tried where no flux is asked for,"""
+FEW, ALL = 12, 120
+"""from so many configurations each, and so many all in all."""
 SHORT = 0.996
 """Share of the flux asked for that counts as that: what is asked may be a rounded maximum."""
 AT_THE_OBJECT = 1e-4
 """m, how far from the object a given configuration may hold the contact."""
+SLOWEST, TOO_SLOW = 5e-3, "slower than 5 mm/s"
+"""m/s, less speed at the impact would take minutes of winding up."""
+ALWAYS = {"not clear at the impact", "gravity"}
+"""Reasons against a configuration, whatever the stroke."""
 STARTS = 100
 """Attempts at placing the contact behind the object."""
 
@@ -76,7 +82,8 @@ class SwingSearch:
         self.search = StrokeSearch(robot, hit, limits, room)
         self.reasons: Counter[str] = Counter()
         self.notes: list[str] = []
-        self.best = 0.0
+        self.seen: dict[int, tuple[Obstacle | None, str]] = {}
+        self.best, self.struck = 0.0, 0
 
     def swing(self, q_hit: ArrayLike | None) -> Swing:
         """Return the swing, from q_hit (n,) rad if it can be.
@@ -103,19 +110,17 @@ class SwingSearch:
             )
         if q_hit is not None:
             if samples.flux[0] >= SHORT * (wanted or 0.0):
-                found = self._from(samples, np.array([0]), wanted)
+                found = self._from(samples, np.array([0]), wanted, 1)
                 if found is not None:
                     return found
             reason = ", ".join(self.reasons) or f"it delivers {samples.flux[0]:.3g} m/s at most"
             self.notes.append(f"no swing from the q_hit asked for ({reason}): another is taken")
-        most = np.inf
-        for share in TIERS if wanted is None else (1.0,):
-            least = share * self.best if wanted is None else SHORT * wanted
-            among = np.flatnonzero((samples.flux >= least) & (samples.flux < most))
-            found = self._from(samples, among, wanted)
+        asked = [wanted] if wanted is not None else [share * self.best for share in TIERS]
+        for flux in asked:
+            among = np.flatnonzero(samples.flux >= SHORT * flux)
+            found = self._from(samples, among, flux, FEW if len(asked) > 1 else CANDIDATES)
             if found is not None:
                 return found
-            most = least
         raise self._refusal(wanted)
 
     def _check_start(self) -> None:
@@ -144,26 +149,38 @@ class SwingSearch:
             )
 
     def _from(
-        self, samples: Samples, chosen: NDArray[np.intp], wanted: float | None
+        self, samples: Samples, chosen: NDArray[np.intp], wanted: float | None, most: int
     ) -> Swing | None:
         looked = 0
         for row in spread_out(self.robot, self.hit, samples, chosen, self.start):
-            q = samples.q[row]
-            gravity = pin.computeGeneralizedGravity(self.robot.model, self.robot.data, q)
-            if (np.abs(gravity) > HOLDING * self.limits.effort).any():
-                self.reasons["gravity"] += 1
-                continue
-            box = self.room.box(q, self.contact, self.hit.direction, self.size, self.hit.yaw)
-            if self.room.check(q[None], box).row is not None:
-                self.reasons["not clear at the impact"] += 1
+            box, reason = self._clear(int(row), samples.q[row])
+            if reason:
+                self.reasons[reason] += 1
                 continue
             looked += 1
-            if looked > CANDIDATES:
+            if looked > most or self.struck >= ALL:
                 break
+            self.struck += 1
             found = self._strike(samples, int(row), wanted, box)
             if found is not None:
                 return found
         return None
+
+    def _clear(self, row: int, q: Array) -> tuple[Obstacle | None, str]:
+        """Return the object as it is hit in a configuration, or what is in the way there."""
+        if row not in self.seen:
+            box, reason = None, ""
+            gravity = pin.computeGeneralizedGravity(self.robot.model, self.robot.data, q)
+            if (np.abs(gravity) > HOLDING * self.limits.effort).any():
+                reason = "gravity"
+            elif self.room.check(q[None], None).row is not None:
+                reason = "not clear at the impact"
+            else:
+                box = self.room.box(q, self.contact, self.hit.direction, self.size, self.hit.yaw)
+                if self.room.check(q[None], box).row is not None:
+                    reason = "not clear at the impact"
+            self.seen[row] = box, reason
+        return self.seen[row]
 
     def _strike(
         self, samples: Samples, row: int, wanted: float | None, box: Obstacle | None
@@ -171,6 +188,9 @@ class SwingSearch:
         most = (1.0 - 1e-9) * float(samples.flux[row])
         share = float(samples.inertia[row] / (samples.inertia[row] + self.hit.mass))
         speed = (most if wanted is None else min(wanted, most)) / share
+        if speed < SLOWEST:
+            self.reasons[TOO_SLOW] += 1
+            return None
         J, ends = samples.J[row], (samples.lower[row], samples.upper[row])
         qd = impact_velocity(J, self.hit.direction, *ends, speed)
         if qd is None:
@@ -244,7 +264,9 @@ class SwingSearch:
 
     def _refusal(self, wanted: float | None) -> InfeasibleError:
         data = {"tried": dict(self.reasons), "maximum_flux": self.best}
-        if set(self.reasons) <= {"not clear at the impact", "gravity"}:
+        if TOO_SLOW in self.reasons and set(self.reasons) <= {TOO_SLOW, *ALWAYS}:
+            return InfeasibleError(f"the contact would move {TOO_SLOW}: ask for more flux", data)
+        if set(self.reasons) <= ALWAYS:
             return InfeasibleError(
                 f"no clear configuration: the arm touches the object, the table or itself in all "
                 f"{sum(self.reasons.values())} that could deliver it",

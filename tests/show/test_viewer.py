@@ -159,6 +159,19 @@ def test_the_hit_is_played_to_its_end(viewer, monkeypatch):
     assert len(shown) == len(result.rows["q"][::2])  # about 30 frames a second
 
 
+def test_a_swing_is_played_from_where_the_arm_is(viewer, monkeypatch):
+    shown, begun = [], viewer.q.copy()
+    monkeypatch.setattr(viewer, "move", shown.append)
+    monkeypatch.setattr("time.sleep", lambda _: None)
+    press(viewer, "swing from here")
+    made = hj.swing(viewer.robot, hj.Hit(6, [0.5, 0.3, 0.5], [0, 1, 0], 2.0, 0.3), q0=begun)
+    np.testing.assert_array_equal(shown[0], begun)
+    assert len(shown) == len(made.times[::33])  # about 30 frames a second
+    viewer._flux.value = 3.0
+    press(viewer, "swing from here")
+    assert "beyond the maximum" in viewer._answer.content
+
+
 def test_a_direction_of_zero_is_told_and_nothing_breaks(viewer):
     viewer._along.value = (0.0, 0.0, 0.0)
     assert "direction" in viewer._numbers.content

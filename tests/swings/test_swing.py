@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import hitjoints as hj
-from benchmarks.swing_checker import judge
 from benchmarks.swings import MARGIN, SIZE, random_hits
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.hit import Hit
+from hitjoints.swings.as_rollout import as_rollout
+from tests.oracles.swing_checker import judge
 
 OBJECT, ALONG = np.array([0.5, 0.3, 0.5]), np.array([0.0, 1.0, 0.0])
 
@@ -137,3 +138,39 @@ def test_bad_input_names_the_argument(arm):
     ):
         with pytest.raises(InputError, match=words):
             hj.swing(robot, hit, **options)
+
+
+def test_the_physics_engine_follows_it_as_it_is(bare):
+    pytest.importorskip("mujoco")
+    found = hj.simulate(bare, restitution=0.5)
+    assert found.predicted.flux == pytest.approx(bare.flux, rel=1e-9)
+    assert found.predicted.object_speed == pytest.approx(1.5 * bare.flux, rel=1e-9)
+    assert found.errors["object_speed"] == pytest.approx(0, abs=2e-3)
+    assert (found.motion.rows["q"] == bare.joints.q).all()
+    with pytest.raises(InputError, match="a swing has its own"):
+        hj.simulate(bare, bare.hit)
+    with pytest.raises(InputError, match="hit"):
+        hj.simulate(bare.robot)
+
+
+def test_as_a_rollout_it_is_the_same_motion(bare):
+    rolled = as_rollout(bare)
+    at = rolled.steps - 1
+    assert rolled.rows["qd"][at].tobytes() == bare.qd_hit.tobytes()
+    assert rolled.impact.flux == pytest.approx(bare.flux)
+    assert rolled.rows["flux"][at] == pytest.approx(bare.flux, rel=1e-9)
+    assert rolled.rows["speed"][at] == pytest.approx(bare.speed, rel=1e-9)
+    assert rolled.sendable
+
+
+def test_rollouts_tell_whether_they_can_be_sent(arm):
+    rolled = hj.rollout(arm("iiwa14"), Hit(6, OBJECT, ALONG, 2.0, 0.3))
+    steps = np.diff(np.vstack((np.zeros(7), rolled.rows["qd"])), axis=0) / rolled.dt
+    ratio = np.abs(steps / arm("iiwa14").acceleration).max()
+    assert rolled.acceleration_ratio_max == pytest.approx(ratio)
+    assert not rolled.sendable
+    assert f"{ratio:.3g} times their limits" in rolled.why
+    assert rolled.dataset.attrs["sendable"] == 0
+    assert np.isnan(
+        hj.rollout(arm("xarm7"), Hit(6, OBJECT, ALONG, 2.0, 0.2)).acceleration_ratio_max
+    )

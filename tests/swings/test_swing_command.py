@@ -126,6 +126,7 @@ def test_a_plan_is_carried_out(run, tmp_path):
         (["--q0", "9,9,9,9,9,9,9"], 1, "joint 1 is at 9"),
         (["--size", "0,1,1"], 1, "size"),
         (["--flux", "1e-18"], 1, "at least 1e-06"),
+        (["--flux", "1e-5"], 3, "slower than 5 mm/s"),
         (["--out", "hit.txt"], 1, "must end in .csv, .npz, .yaml, .json"),
         (["--out", "/nowhere/hit.csv"], 1, "no folder"),
         (["--flux", "3"], 3, "beyond the maximum of 0.58"),

@@ -183,7 +183,7 @@ def test_the_straightened_curve_has_no_sideways_curvature(arm):
         J, h = jacobian(robot, q, contact), rng.standard_normal(3)
         h /= np.linalg.norm(h)
         qd = np.linalg.pinv(J) @ h
-        c = straightening(robot, q, qd, contact, h, J)
+        c = straightening(robot, q, qd, contact, h, J, rng.uniform(0.5, 2.0, 7))
         e = 1e-4
         path = [position(robot, q + s * qd + s * s / 2 * c, contact) for s in (-e, 0.0, e)]
         bend = (path[0] - 2 * path[1] + path[2]) / e**2

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from functools import singledispatch
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,7 +18,10 @@ from hitjoints.impact.collision import object_speed, rebound
 from hitjoints.impact.elastic import ElasticImpact, elastic_impact
 from hitjoints.impact.rotor import known_rotors, known_stiffness
 from hitjoints.model.engine import engine
+from hitjoints.planning.plan_record import Plan
 from hitjoints.rollouts.follow import rollout
+from hitjoints.swings.as_rollout import as_rollout
+from hitjoints.swings.swing_record import Swing
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -33,9 +38,10 @@ GRAVITY = 9.81
 """m/s^2, of the engine too."""
 
 
-def simulate(
-    robot: Robot,
-    hit: Hit,
+@singledispatch
+def simulate(  # noqa: PLR0913
+    robot: Robot | Swing,
+    hit: Hit | None = None,
     *,
     restitution: float = 0.5,
     mode: Mode = "ideal",
@@ -54,15 +60,15 @@ def simulate(
     torque_limits: bool = False,
     seed: int = 0,
 ) -> Simulation:
-    """Roll a hit out to the impact, and let a physics engine (MuJoCo) do the rest.
+    """Move an arm to the impact, and let a physics engine (MuJoCo) do the rest.
 
     The arm hits a box at the contact point, which the engine sees as the link's surface; then the
     box slides on a level table until it stops. The prediction knows the restitution beforehand
     and nothing of the engine's result.
 
     Args:
-        robot: the arm.
-        hit: what is asked.
+        robot: the arm, or a swing, which is followed as it is.
+        hit: what is asked, and rolled out; a swing has its own.
         restitution: eps, from 0 to 1.
         mode: "ideal": the arm is free but for gravity compensation, the contact is short, central
             and without friction; "realistic": none of that, and each cause on its own as well.
@@ -87,9 +93,11 @@ def simulate(
         MissingExtraError: MuJoCo is not installed.
     """
     engine()
+    starts: dict[str, Any] = {"q0": q0, "start": start, "q_hit": q_hit}
+    arm, hit = _asked(robot, hit, starts)
     if elastic:
-        rotors = tuple(known_rotors(robot, rotor_inertia).tolist())
-        springs = tuple(known_stiffness(robot, stiffness).tolist())
+        rotors = tuple(known_rotors(arm, rotor_inertia).tolist())
+        springs = tuple(known_stiffness(arm, stiffness).tolist())
         contact_time = ELASTIC_CONTACT if contact_time is None else contact_time
     elif stiffness is not None or rotor_inertia is not None:
         name = "rotor_inertia" if stiffness is None else "stiffness"
@@ -112,9 +120,10 @@ def simulate(
         raise InputError(
             "direction", hit.direction.tolist(), "a box on a level table is hit horizontally"
         )
-    motion = rollout(
-        robot, hit, q0=q0, start=start, q_hit=q_hit, torque_limits=torque_limits, seed=seed
-    )
+    if isinstance(robot, Swing):
+        motion = as_rollout(robot)
+    else:
+        motion = rollout(arm, hit, **starts, torque_limits=torque_limits, seed=seed)
     if motion.reason or motion.impact is None:
         raise InfeasibleError(f"the rollout is no hit: {motion.reason}", {"hit": False})
     impact = impact_of(motion)
@@ -125,19 +134,31 @@ def simulate(
     servos = ServoReference(motion)
     # Servos may push the box again, which they could not while nothing slows it down.
     pushes = how.on_table and how.servo_gain > 0
-    result = strike(robot, impact, how, servos, servos.rest if pushes else 0.0)
+    result = strike(arm, impact, how, servos, servos.rest if pushes else 0.0)
     slid = None if predicted.travel is None else slide(impact, how, *result.box)
     causes = tuple(
         Cause(
             name,
             value,
-            strike(robot, impact, alone, servos),
-            strike(robot, impact, without, servos),
+            strike(arm, impact, alone, servos),
+            strike(arm, impact, without, servos),
         )
         for name, value, alone, without in how.causes()
     )
     told = predict_elastic(motion, impact, how) if elastic else None
     return Simulation(motion, mode, how, impact, predicted, result, slid, causes, told)
+
+
+def _asked(robot: Robot | Swing, hit: Hit | None, starts: Mapping[str, Any]) -> tuple[Robot, Hit]:
+    """Return the arm and what is asked of it, be that a hit or a swing."""
+    if isinstance(robot, Swing):
+        for name, value in {"hit": hit, **starts}.items():
+            if value is not None:
+                raise InputError(name, "given", "a swing has its own")
+        return robot.robot, robot.hit
+    if hit is None:
+        raise InputError("hit", None, "what is asked of the arm")
+    return robot, hit
 
 
 class ServoReference:
@@ -155,6 +176,24 @@ class ServoReference:
         """Return the joint velocities (n,) rad/s at a time (s) since the impact."""
         row = int(time / self._dt)
         return np.asarray(self._qd[row] if row < len(self._qd) else np.zeros_like(self._qd[0]))
+
+
+@simulate.register(Plan)
+def _simulate_plan(  # type: ignore[misc]  # its first argument is another than that of simulate
+    plan: Plan, robot: Robot | None = None, **options: Any
+) -> Simulation:
+    """Carry out a plan: its hit, in its configuration.
+
+    Args:
+        plan: that says yes.
+        robot: the arm, if it is loaded already.
+        options: as `simulate`; they go before what the plan says.
+    """
+    arm, hit, told = plan.carried_out(robot)
+    told["torque_limits"] = plan.hit.setting.torque_limits
+    known = {"restitution": hit.restitution, "friction": hit.friction, "size": hit.size}
+    told |= {name: value for name, value in known.items() if value is not None}
+    return simulate(arm, hit, **(told | options))
 
 
 def impact_of(motion: Rollout) -> ImpactState:

@@ -51,7 +51,11 @@ def judge(swing: Swing, size: Array, margin: float) -> dict[str, Any]:
     for name, limit in limits.items():
         if (np.abs(differences[name]) > limit * (1 + ROUNDING[name]) + 1e-9).any():
             wrong.append(name)
-    if np.abs(differences["velocity"][[0, -1]]).max() > 1e-6:
+    # From rest with the greatest jerk j the mean velocity over the first step is j dt^2 / 6.
+    if (
+        np.abs(differences["velocity"][[0, -1]]).max()
+        > 1.01 * swing.limits.jerk.max() * STEP**2 / 6
+    ):
         wrong.append("not at rest")
     if np.abs(q[0] - swing.q0).max() > 0:
         wrong.append("start")
