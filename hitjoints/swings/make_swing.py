@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from functools import singledispatch
+from typing import TYPE_CHECKING, Any
 
 from hitjoints.errors import InputError
 from hitjoints.hitting.drive_limits import drive_limits
+from hitjoints.planning.plan_record import Plan
 from hitjoints.swings.clear_way import Room
 from hitjoints.swings.swing_search import SwingSearch
 
@@ -23,7 +25,8 @@ SHORTEST, LONGEST = 1e-4, 0.02
 """s, spacing of samples."""
 
 
-def swing(
+@singledispatch
+def swing(  # noqa: PLR0913
     robot: Robot,
     hit: Hit,
     *,
@@ -67,3 +70,20 @@ def swing(
     start = robot.within_limits(robot.home if q0 is None else q0, "q0")
     room = Room(robot, margin, table_height)
     return SwingSearch(robot, hit, limits, room, start, dt, seed).swing(q_hit)
+
+
+@swing.register(Plan)
+def _swing_plan(  # type: ignore[misc]  # its first argument is another than that of swing
+    plan: Plan, robot: Robot | None = None, **options: Any
+) -> Swing:
+    """Carry out a plan: its hit, in its configuration.
+
+    Args:
+        plan: that says yes.
+        robot: the arm, if it is loaded already.
+        options: as `swing`; they go before what the plan says.
+    """
+    arm, hit, told = plan.carried_out(robot)
+    room = {"table_height": plan.hit.setting.table_height, "margin": plan.hit.setting.margin}
+    told |= {name: value for name, value in room.items() if value is not None}
+    return swing(arm, hit, **(told | options))
