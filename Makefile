@@ -3,8 +3,13 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 EXTRAS := test,lint,docs,dask
+LOWEST ?= .venv-lowest
+# Tests that use every dependency, in about two minutes.
+QUICK := $(addprefix tests/,cli datasets maps dynamics/test_mobility.py programs/test_programs_proxqp.py \
+	robots/test_robot.py kernels/test_kernel.py show/test_viewer.py evidence/test_physics_strike.py \
+	planning/test_learning.py)
 
-.PHONY: demo test lint bench docs clean
+.PHONY: demo test lowest lint bench docs clean
 
 demo: $(VENV)/demo-ready
 	mkdir -p out
@@ -17,6 +22,10 @@ demo: $(VENV)/demo-ready
 
 test: $(VENV)/ready
 	$(BIN)/python -m pytest
+
+# With the lowest versions that pyproject.toml allows.
+lowest: $(LOWEST)/ready
+	$(LOWEST)/bin/python -m pytest $(QUICK)
 
 lint: $(VENV)/ready
 	$(BIN)/ruff check .
@@ -32,7 +41,7 @@ docs: $(VENV)/ready
 	@echo "docs/_build/html/index.html"
 
 clean:
-	rm -rf $(VENV) build dist out docs/_build *.egg-info
+	rm -rf $(VENV) $(LOWEST) build dist out docs/_build *.egg-info
 
 $(VENV)/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed")'
@@ -45,3 +54,10 @@ $(VENV)/demo-ready: pyproject.toml | $(VENV)/bin/python
 $(VENV)/ready: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[$(EXTRAS)]'
 	touch $@ $(VENV)/demo-ready
+
+$(LOWEST)/ready: pyproject.toml .ci/lowest.py
+	$(PYTHON) -m venv $(LOWEST)
+	$(PYTHON) .ci/lowest.py test > $(LOWEST)/constraints.txt
+	$(LOWEST)/bin/python -m pip install --quiet --disable-pip-version-check \
+		--constraint $(LOWEST)/constraints.txt --editable '.[test]'
+	touch $@

@@ -48,8 +48,8 @@ def measure() -> list[Row | Figure | Remark]:
         times += walk(Controller(robot, hit, found.q_hit, dt=dt), found.q0)[1]
     micro = 1e6 * np.array(times)
     return [
-        Figure("control step, median", float(np.median(micro)), "us", "<= 120"),
-        Figure("control step, 99th percentile", float(np.percentile(micro, 99)), "us", "<= 400"),
+        Figure("control step, median", float(np.median(micro)), "us", "<= 15"),
+        Figure("control step, 99th percentile", float(np.percentile(micro, 99)), "us", "<= 60"),
         *against_authors(Controller(robot, hit, found.q_hit), found.q0),
     ]
 
@@ -86,7 +86,7 @@ def against_authors(controller: Controller, q0: Array) -> list[Row | Remark]:
         "control step",
         ("Controller.step", ours, count),
         [
-            Peer("PyBullet, differences, qpsolvers + OSQP", theirs(QpSolvers), count, ">= 6"),
+            Peer("PyBullet, differences, qpsolvers + OSQP", theirs(QpSolvers), count, ">= 120"),
             Peer("PyBullet, differences, OSQP set up once", theirs(OsqpInPlace), count),
         ],
         near(ours(), 1e-5),

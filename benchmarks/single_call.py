@@ -59,7 +59,7 @@ def inertias(robot: hj.Robot, qs: Any) -> list[Row | Remark]:
 
     _warm(ours, len(qs))
 
-    peers = _evaluators(robot, "inertia", qs)
+    peers = _evaluators(robot, "inertia", qs, ">= 1.5")
     named = ("hj.directional_inertia", ours, len(qs))
     return contest("inertia, one call", named, peers, near(ours(), EXACT))
 
@@ -72,7 +72,7 @@ def gradients(robot: hj.Robot, qs: Any) -> list[Row | Remark]:
 
     _warm(ours, len(qs))
 
-    peers = _evaluators(robot, "gradient", qs)
+    peers = _evaluators(robot, "gradient", qs, ">= 4")
     named = ("hj.directional_inertia_gradient", ours, len(qs))
     return contest("gradient, one call", named, peers, near(ours(), DIFFERENCES), repeats=5)
 
@@ -161,7 +161,7 @@ def checks(robot: hj.Robot, qs: Any) -> list[Row]:
     ]
 
 
-def _evaluators(robot: hj.Robot, method: str, qs: Any) -> list[Peer]:
+def _evaluators(robot: hj.Robot, method: str, qs: Any, target: str) -> list[Peer]:
     def theirs(arm: type[Any], some: Any) -> Callable[[], Work]:
         def make() -> Work:
             evaluate = getattr(arm(robot, JOINT), method)
@@ -170,4 +170,12 @@ def _evaluators(robot: hj.Robot, method: str, qs: Any) -> list[Peer]:
         return make
 
     counts = {name: SLOW.get(arm, len(qs)) for name, arm in ARMS.items()}
-    return [Peer(name, theirs(arm, qs[: counts[name]]), counts[name]) for name, arm in ARMS.items()]
+    return [
+        Peer(
+            name,
+            theirs(arm, qs[: counts[name]]),
+            counts[name],
+            target * (arm is PinocchioArm),
+        )
+        for name, arm in ARMS.items()
+    ]

@@ -1,19 +1,24 @@
-"""`hitjoints hit`: a hit in a file."""
+"""`hitjoints hit`: from a wish in a file to a verdict."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from .complaints import complain
 from .options import JsonOption
-from .render import print_json, print_table
+from .output_options import tell_written
+from .render import plain, print_json, print_table
+
+if TYPE_CHECKING:
+    from hitjoints.answers.answer import Answer
+    from hitjoints.hit import Hit
 
 NEW = """\
 # A hit: which object, where, how heavy, which way, how hard, and with what. It works as it is:
-#     hitjoints plan --hit FILE
+#     hitjoints hit FILE --out DIR
 # Lengths in m, masses in kg, angles in rad. What begins with # is left out; paths are relative to
 # this file.
 schema = 1
@@ -60,30 +65,119 @@ seed = 0
 """
 
 
+FILES = ("hit.toml", "plan.json", "trajectory.csv", "trajectory.json", "answer.json", "hit.png")
+
+
 def hit(
     file: Annotated[Path | None, typer.Argument(metavar="[FILE]", help="hit.toml to read.")] = None,
     new: Annotated[
         Path | None, typer.Option("--new", metavar="FILE", help="Write a commented hit.toml.")
     ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Write the plan, the motion, a picture there."),
+    ] = None,
+    tolerance: Annotated[
+        float, typer.Option("--tolerance", metavar="M", help="Around the goal.")
+    ] = 0.05,
     as_json: JsonOption = False,
 ) -> None:
-    """Write a hit.toml to begin with, or read one and say what it asks for."""
-    from hitjoints.datasets.files import check_writable, write_whole
-    from hitjoints.errors import InputError
+    """Take a wish to its verdict: the joint, a motion that can be sent, where the object ends.
+
+    Without a FILE the wish of a new hit.toml is taken.
+    """
+    from hitjoints.answers.answer import answer
     from hitjoints.hit_loading import load_hit
 
     if new is not None:
-        check_writable(new, "new", (".toml",))
-        if new.exists():
-            raise InputError("new", new, "it is there already, and is not overwritten")
-        write_whole(new, "new", lambda made: made.write_text(NEW, encoding="utf-8"))
-        complain("written", str(new))
-    if (file or new) is None:
-        raise typer.BadParameter("a FILE to read is needed, or --new FILE to write one")
-    asked = load_hit(file or new or "")
-    if as_json:
-        print_json({"hit": asked.as_dict()})
+        _write_new(new)
         return
-    tables = {name: table for name, table in asked.as_dict().items() if isinstance(table, dict)}
-    rows = [(f"{name}.{key}", str(value)) for name in tables for key, value in tables[name].items()]
-    print_table(f"{file or new}: hit {asked.words}", ("what", "is asked for"), rows)
+    if out is not None:
+        _check_folder(out, file)
+    wanted = load_hit(file) if file is not None else _usual()
+    found = answer(wanted, tolerance=tolerance)
+    files = [] if out is None else _write(found, out)
+    if as_json:
+        print_json(found.as_dict() | {"files": [str(path) for path in files]})
+    else:
+        _print(found)
+    tell_written(*files)
+    if found.swing is None:
+        raise typer.Exit(3)
+
+
+def _write_new(path: Path) -> None:
+    from hitjoints.datasets.files import check_writable, write_whole
+    from hitjoints.errors import InputError
+
+    check_writable(path, "new", (".toml",))
+    if path.exists():
+        raise InputError("new", path, "it is there already, and is not overwritten")
+    write_whole(path, "new", lambda made: made.write_text(NEW, encoding="utf-8"))
+    complain("written", str(path))
+
+
+def _usual() -> Hit:
+    """Return the hit of a new file."""
+    import tempfile
+
+    from hitjoints.hit_loading import load_hit
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "hit.toml"
+        path.write_text(NEW, encoding="utf-8")
+        return load_hit(path)
+
+
+def _check_folder(out: Path, file: Path | None) -> None:
+    """Refuse a folder that cannot be written to, before any work is done for it."""
+    from hitjoints.errors import InputError
+
+    if out.exists() and not out.is_dir():
+        raise InputError("out", out, "a folder is needed; this is a file")
+    if not out.parent.is_dir():
+        raise InputError("out", out, f"there is no folder {out.parent}")
+    if file is not None and out.exists() and file.resolve() == (out / FILES[0]).resolve():
+        raise InputError("out", out, "the file that is read would be overwritten")
+
+
+def _write(found: Answer, out: Path) -> list[Path]:
+    """Write what there is of the answer; return the files."""
+    import json
+
+    from hitjoints.datasets.files import write_whole
+    from hitjoints.show.answer_figure import draw_answer
+    from hitjoints.show.figures import save_figure
+
+    out.mkdir(exist_ok=True)
+    wish, plan, csv, ros, answer, figure = (out / name for name in FILES)
+    found.hit.save(wish)
+    found.plan.save(plan)
+    text = json.dumps(plain(found.as_dict()), allow_nan=False, indent=1) + "\n"
+    write_whole(answer, "out", lambda made: made.write_text(text, encoding="utf-8"))
+    if found.swing is None:
+        return [wish, plan, answer]
+    found.swing.save(csv)
+    found.swing.save(ros)
+    save_figure(draw_answer(found), figure)
+    return [wish, plan, csv, ros, answer, figure]
+
+
+def _print(found: Answer) -> None:
+    if found.swing is not None:
+        swing = found.swing
+        rows: list[tuple[object, ...]] = [
+            ("inertia", swing.inertia, "kg"),
+            ("speed", swing.speed, "m/s"),
+            ("flux", swing.flux, "m/s"),
+            ("impact after", swing.impact_time, "s"),
+            ("at rest after", swing.duration, "s"),
+            ("clearance", swing.clearance, f"m, {swing.closest}"),
+        ]
+        joint = swing.hit.chosen_contact.joint
+        print_table(
+            f"{found.robot.title}: joint {joint} hits {swing.hit.words}",
+            ("hit", "value", "unit"),
+            rows,
+        )
+    print(found.words)

@@ -63,7 +63,7 @@ def options_of(hit: Hit) -> dict[str, Any]:
         (vars(setting), ("dt",)),
     ):
         said |= {name: table[name] for name in names if table.get(name) is not None}
-    if (joints := given["contact"].get("joints")) is not None:
+    if (joints := given.get("contact", {}).get("joints")) is not None:
         said["joint"] = joints
     if setting.robot is not None:
         robot = setting.robot

@@ -14,16 +14,17 @@ FILE_WIDTH = 120  # columns of a table that goes to a file or a pipe
 
 def print_json(result: dict[str, Any]) -> None:
     """Print one JSON object; what is not a finite number becomes null."""
-    print(json.dumps(_plain(result), allow_nan=False), flush=True)
+    print(json.dumps(plain(result), allow_nan=False), flush=True)
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """Return a value as JSON knows it; what is not a finite number becomes null."""
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

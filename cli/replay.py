@@ -29,7 +29,7 @@ SHOWN = 40  # rows of the table
 QUIET = 10.0  # s between two lines of progress that go to a file
 
 
-def replay(
+def replay(  # noqa: PLR0913
     files: Annotated[
         list[Path] | None,
         typer.Argument(

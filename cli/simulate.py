@@ -142,7 +142,8 @@ def simulate(
     """Simulate a planned hit in a physics engine (MuJoCo) and compare it with the prediction.
 
     The arm follows a rollout or a swing up to the impact and hits a box, which slides on a table
-    until it stops. An ideal hit must agree; a realistic one shows how far the model is off, and why.
+    until it stops. An ideal hit must agree; a realistic one shows how far the model is off, and
+    why.
     """
     from hitjoints.evidence.physics.simulation import simulate as run
 

@@ -25,7 +25,7 @@ MAPPED = ((-0.9, 0.9, 37), (-0.9, 0.9, 37))
 """m, places of the object along x and y: from, to, count."""
 
 
-def sweep_contact_time(
+def sweep_contact_time(  # noqa: PLR0913
     robot: RobotOptions,
     hit: Annotated[HitOptions, without("flux", "object_speed", "restitution")],
     output: OutputOptions,

@@ -53,7 +53,7 @@ def _kernel(robot: Robot, contacts: tuple[Contact, ...], outputs: tuple[str, ...
     from hitjoints.kernels import build_kernel
 
     points = tuple((contact.joint, contact.offset) for contact in contacts)
-    with _named(robot):
+    with refused_by_name(robot):
         return build_kernel(robot.model, contacts=points, outputs=outputs)
 
 
@@ -61,12 +61,12 @@ def _kernel(robot: Robot, contacts: tuple[Contact, ...], outputs: tuple[str, ...
 def _single(robot: Robot, contact: Contact, outputs: tuple[str, ...]) -> SingleKernel:
     from hitjoints.kernels.single import build_single
 
-    with _named(robot):
+    with refused_by_name(robot):
         return build_single(robot.model, (contact.joint, contact.offset), outputs)
 
 
 @contextmanager
-def _named(robot: Robot) -> Iterator[None]:
+def refused_by_name(robot: Robot) -> Iterator[None]:
     """Say of which robot a model is refused, and that it has no mass if that is why."""
     try:
         yield

@@ -67,7 +67,7 @@ class Landing:
         }
 
 
-def landing(
+def landing(  # noqa: PLR0913
     robot: Robot,
     q: ArrayLike,
     hit: Hit,

@@ -13,12 +13,12 @@ from hitjoints.hitting.step import SLOWED, Step
 from hitjoints.hitting.step_tape import Setting, record_step_of
 from hitjoints.kernels.reference import PinocchioAnswers
 from hitjoints.kernels.tape.backends import choose
-from hitjoints.kernels.tape.scalar import ScalarProgram
 from hitjoints.kernels.verify import samples
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from hitjoints.kernels.tape.scalar import ScalarProgram
     from hitjoints.model.robot import Contact, Robot
 
     Array = NDArray[np.float64]
@@ -103,6 +103,8 @@ def program_for(robot: Robot, contact: Contact) -> ScalarProgram:
     Raises:
         KernelMismatchError: its kinematics or inertias disagree.
     """
+    from hitjoints.kernels.tape.scalar import ScalarProgram  # which needs llvmlite
+
     chain = chain_of(robot)
     program = ScalarProgram(record_step_of(chain, chain.attach(contact.joint, contact.offset)))
     inputs, outputs, run = program.bind()

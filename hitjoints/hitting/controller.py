@@ -65,7 +65,7 @@ class Controller:
         torque_limits: keep the robot's effort limits too, so that reaching a speed takes time, and
             keep able to stop before the position limits. With law="qp" only.
         compiled: take steps as one compiled call where its answer is proved right: ten times
-            faster, after a third of a second of compiling per robot and contact. Without llvmlite,
+            faster, after about half a second of compiling per robot and contact. Without llvmlite,
             with torque limits or law="paper", steps are taken the other way.
 
     Raises:
@@ -73,7 +73,7 @@ class Controller:
         InfeasibleError: the object is out of the contact's reach.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913
         self,
         robot: Robot,
         hit: Hit,

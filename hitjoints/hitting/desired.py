@@ -53,7 +53,7 @@ class DesiredInertia:
         self._program = WarmProgram(point.robot.n, 1)
         self._limited = WarmProgram(2 * point.robot.n + 1, 1 + point.robot.n)  # qd, t, p
 
-    def __call__(
+    def __call__(  # noqa: PLR0913
         self,
         q: Array,
         state: State,

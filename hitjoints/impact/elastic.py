@@ -64,7 +64,7 @@ class ElasticImpact:
         return {name: getattr(self, name) for name in (*names, "second_contact")}
 
 
-def elastic_impact(
+def elastic_impact(  # noqa: PLR0913
     robot: Robot,
     q: ArrayLike,
     contact: Contact | int,

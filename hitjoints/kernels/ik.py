@@ -55,7 +55,7 @@ class Placement:
     error: Array
 
 
-def place(
+def place(  # noqa: PLR0913
     model: pin.Model,
     contact: tuple[int, tuple[float, float, float]],
     positions: Array,

@@ -130,7 +130,8 @@ def effect_of(faults: Sequence[TensorFault], robot: Robot) -> Effect | None:
         # Set by parts: the constructor refuses what taking a wrong tensor away may leave.
         body = pin.Inertia(mended.inertias[frame.parentJoint])
         assert fault.possible is not None
-        body.inertia -= turn @ (fault.link.inertia - fault.possible) @ turn.T
+        left = body.inertia - turn @ (fault.link.inertia - fault.possible) @ turn.T
+        body.inertia = (left + left.T) / 2
         mended.inertias[frame.parentJoint] = body
     found = []
     for contact, place in ((Contact(joint), f"joint {joint}"), (robot.flange, "the flange")):

@@ -7,6 +7,7 @@ the package `xacro` keeps its state in globals and prints as it goes.
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
@@ -37,11 +38,13 @@ def expand_xacro(
         raise MissingExtraError("xacro", "xacro")
     given = {name: str(value) for name, value in (arguments or {}).items()}
     asked = {"path": str(path), "package_dirs": [*package_dirs], "arguments": given}
-    command = [sys.executable, "-m", "hitjoints.loading.xacro_process"]
+    # It imports what this process does, and nothing from the working folder (-P).
+    command = [sys.executable, "-P", "-m", "hitjoints.loading.xacro_process"]
+    paths = {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     try:
         done = subprocess.run(
             command, input=json.dumps(asked), capture_output=True, timeout=LONGEST, text=True,
-            encoding="utf-8", check=False,
+            encoding="utf-8", check=False, env=os.environ | paths,
         )  # fmt: skip
         answer = json.loads(done.stdout)
     except subprocess.TimeoutExpired:

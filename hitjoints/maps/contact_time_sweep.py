@@ -33,7 +33,7 @@ class Crossing(NamedTuple):
     variable: str
 
 
-def sweep_contact_time(
+def sweep_contact_time(  # noqa: PLR0913
     robot: Robot,
     position: ArrayLike,
     direction: ArrayLike,

@@ -28,7 +28,7 @@ MOST_ANGLES = 1_000_000
 OUTPUTS = ("inertia", "speed", "straight_speed")
 
 
-def sweep_joint(
+def sweep_joint(  # noqa: PLR0913
     robot: Robot,
     position: ArrayLike,
     direction: ArrayLike,

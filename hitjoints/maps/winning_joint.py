@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-def winning_joint(
+def winning_joint(  # noqa: PLR0913
     robot: Robot,
     x: ArrayLike,
     y: ArrayLike,

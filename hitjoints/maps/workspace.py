@@ -28,7 +28,7 @@ IN_MEMORY = 4e9  # bytes of a map that has no store
 Progress = Callable[[int, int], None]
 
 
-def sweep_workspace(
+def sweep_workspace(  # noqa: PLR0913
     robot: Robot,
     x: ArrayLike,
     y: ArrayLike,

@@ -27,7 +27,7 @@ def middle(lower: Array, upper: Array, turning: Flags) -> Array:
         turning: (n,) whether a joint is revolute.
     """
     far = _far(lower, upper, turning)
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore", over="ignore"):
         return np.where(far, np.clip(0.0, lower, upper), (lower + upper) / 2)
 
 
@@ -65,4 +65,5 @@ def nearest_turn(q: Array, lower: Array, upper: Array, home: Array, turning: Fla
 
 
 def _far(lower: Array, upper: Array, turning: Flags) -> Flags:
-    return np.asarray(upper - lower > np.where(turning, FAR, FAR_SLIDE))
+    with np.errstate(over="ignore"):  # the largest number there is may stand for no limit
+        return np.asarray(upper - lower > np.where(turning, FAR, FAR_SLIDE))

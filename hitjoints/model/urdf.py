@@ -27,6 +27,7 @@ UNSUPPORTED = {
 }
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 WORLD = "world"  # may be a parent without being declared, as in Gazebo
+LARGEST = 1e30  # kg or kg m^2: far above any link, far below what overflows
 MOST_DEEP = 100  # elements within each other
 
 
@@ -176,4 +177,8 @@ def _body(link: Element, source: str) -> Body:
     rpy = vector(origin, "rpy", f"{where} origin", source)
     tensor = inertial.find("inertia")
     moments = [number(tensor, key, f"{where} inertia", source, default=None) for key in MOMENTS]
+    if max(mass, *map(abs, moments)) > LARGEST:
+        raise ModelError(
+            source, f"{where} holds {max(mass, *map(abs, moments)):.3g}: no link is so heavy"
+        )
     return Body(name, mass, com, rpy, np.array(moments), True, shapes)

@@ -49,7 +49,8 @@ def accelerated(
 
     Args:
         robot: the arm.
-        contact: what hits. direction: (3,) unit.
+        contact: what hits.
+        direction: (3,) unit vector.
         start: feasible as far as velocities go.
         longer: makes a start of another run-up (m); none if the run-up is given.
         settled: m, lateral error allowed at the hit.

@@ -159,6 +159,24 @@ class Plan:
             raise InfeasibleError(f"the plan says no: {self.summary}")
         return self.hit.with_contact(Contact(self.best.joint, self.best.offset))
 
+    def carried_out(self, robot: Robot | None = None) -> tuple[Robot, Hit, dict[str, Any]]:
+        """Return what a motion that carries it out is made of.
+
+        Args:
+            robot: the arm, if it is loaded already.
+
+        Returns:
+            The arm, the hit with what is best to hit with, and `q_hit`, `q0` and `seed`.
+
+        Raises:
+            InputError: it cannot be loaded, or is another than the plan was made for.
+            InfeasibleError: no joint can do it.
+        """
+        arm, hit = self.load_robot() if robot is None else self.check_robot(robot), self.chosen_hit
+        assert self.best is not None
+        setting = self.hit.setting
+        return arm, hit, {"q_hit": self.best.q, "q0": setting.q0, "seed": setting.seed}
+
     def __eq__(self, other: object) -> bool:
         """Tell whether two plans say the same."""
         return isinstance(other, Plan) and self.as_dict() == other.as_dict()

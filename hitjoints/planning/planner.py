@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 @singledispatch
-def plan(
+def plan(  # noqa: PLR0913
     robot: Robot,
     position: ArrayLike,
     direction: ArrayLike,

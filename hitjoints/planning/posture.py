@@ -35,7 +35,8 @@ class Posture:
         joint: k.
         q: (n,) rad within the limits; q_1 .. q_{k-1} as given.
         inertia: kg.
-        away: h . (chi_{k+1} - chi_k) < 0. away_gap: m, that number.
+        away: h . (chi_{k+1} - chi_k) < 0.
+        away_gap: m, that number.
         evidence: as of a plan's candidate; its certificate bounds the inertia from above.
     """
 

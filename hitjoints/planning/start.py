@@ -76,7 +76,7 @@ class Start:
         return {k: v.tolist() if hasattr(v, "tolist") else v for k, v in values.items()}
 
 
-def plan_start(
+def plan_start(  # noqa: PLR0913
     robot: Robot,
     q: ArrayLike,
     contact: Contact | int,
@@ -210,7 +210,10 @@ def approach_path(
     motion, of those within the position and velocity limits that move the contact along the line.
 
     Args:
-        robot, q, contact, direction: as `plan_start`.
+        robot: as `plan_start`.
+        q: as `plan_start`.
+        contact: as `plan_start`.
+        direction: as `plan_start`.
         distance: m, > 0.
         speed: m/s, of the contact.
         dt: s, longest time between rows.

@@ -169,7 +169,7 @@ def most_flux_terms(
     return Terms(H, np.append(terms.c, -PROGRESS), A, terms.b)
 
 
-def build_joint_velocity(
+def build_joint_velocity(  # noqa: PLR0913
     jacobian: ArrayLike,
     velocity: ArrayLike,
     direction: ArrayLike,
@@ -203,7 +203,7 @@ def build_joint_velocity(
     )[0]
 
 
-def solve_joint_velocity(
+def solve_joint_velocity(  # noqa: PLR0913
     jacobian: ArrayLike,
     velocity: ArrayLike,
     direction: ArrayLike,
@@ -230,7 +230,7 @@ def solve_joint_velocity(
     return JointVelocity(found.x, reached, saturated, found.residuals)
 
 
-def _flux_program(
+def _flux_program(  # noqa: PLR0913
     jacobian: ArrayLike,
     velocity: ArrayLike,
     direction: ArrayLike,

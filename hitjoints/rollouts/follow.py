@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Literal
+from functools import singledispatch
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import pinocchio as pin
@@ -16,6 +17,7 @@ from hitjoints.hitting.controller import Controller, ReferenceName
 from hitjoints.hitting.desired import Weighting
 from hitjoints.hitting.laws import LawName
 from hitjoints.hitting.step import Gains, Step
+from hitjoints.planning.plan_record import Plan
 from hitjoints.rollouts.prepare import prepare
 from hitjoints.rollouts.record import Rollout
 
@@ -32,7 +34,8 @@ LONGEST = 10
 """times as long at most where torque limits slow the arm down as they can."""
 
 
-def rollout(
+@singledispatch
+def rollout(  # noqa: PLR0913
     robot: Robot,
     hit: Hit,
     *,
@@ -119,6 +122,22 @@ def rollout(
         np.array(approach.times),
         parameters | {"speed_profile": speed_profile, "torque_limits": torque_limits, "seed": seed},
     )
+
+
+@rollout.register(Plan)
+def _rollout_plan(  # type: ignore[misc]  # its first argument is another than that of rollout
+    plan: Plan, robot: Robot | None = None, **options: Any
+) -> Rollout:
+    """Carry out a plan: its hit, in its configuration.
+
+    Args:
+        plan: that says yes.
+        robot: the arm, if it is loaded already.
+        options: as `rollout`; they go before what the plan says.
+    """
+    arm, hit, told = plan.carried_out(robot)
+    told["torque_limits"] = plan.hit.setting.torque_limits
+    return rollout(arm, hit, **(told | options))
 
 
 def _follow_through(control: Controller, q: Array, qd: Array) -> list[tuple[Array, Step]]:

@@ -47,7 +47,7 @@ ENDS = (signal.SIGINT, signal.SIGTERM)
 GLASS = 0.7  # opacity of the links: a joint's origin lies inside its link
 
 
-def view(
+def view(  # noqa: PLR0913
     robot: Robot,
     q: ArrayLike | None = None,
     contact: Contact | int | None = None,

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from functools import singledispatch
+from typing import TYPE_CHECKING, Any
 
 from hitjoints.errors import InputError
 from hitjoints.hitting.drive_limits import drive_limits
-from hitjoints.loading.load import load_robot
 from hitjoints.planning.plan_record import Plan
 from hitjoints.swings.clear_way import Room
 from hitjoints.swings.swing_search import SwingSearch
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from hitjoints.hit import Hit
     from hitjoints.model.robot import Robot
@@ -26,9 +25,10 @@ SHORTEST, LONGEST = 1e-4, 0.02
 """s, spacing of samples."""
 
 
-def swing(
-    robot: Robot | Plan,
-    hit: Hit | Plan | None = None,
+@singledispatch
+def swing(  # noqa: PLR0913
+    robot: Robot,
+    hit: Hit,
     *,
     q0: ArrayLike | None = None,
     q_hit: ArrayLike | None = None,
@@ -46,9 +46,8 @@ def swing(
     space, keeps the velocity for 10 mm after the impact, and stops.
 
     Args:
-        robot: the arm, or a plan, which is made with its own arm.
-        hit: what is asked; its `flux` may be None for the greatest that can be. A plan, too: its
-            hit, in its configuration.
+        robot: the arm.
+        hit: what is asked; its `flux` may be None for the greatest that can be.
         q0: (n,) rad, where the arm is; by default its home.
         q_hit: (n,) rad, the configuration to strike in, such as a plan's, tried before others.
         acceleration, jerk: rad/s^2 and rad/s^3, one number or (n,); by default the robot's. An
@@ -67,33 +66,24 @@ def swing(
         raise InputError("dt", dt, f"a spacing of {SHORTEST:g} s to {LONGEST:g} s")
     if not math.isfinite(margin):
         raise InputError("margin", margin, "a finite distance in metres")
-    arm, asked, planned = _asked(robot, hit)
-    limits = drive_limits(arm, acceleration, jerk)
-    start = arm.within_limits(arm.home if q0 is None else q0, "q0")
-    room = Room(arm, margin, table_height)
-    search = SwingSearch(arm, asked, limits, room, start, dt, seed)
-    return search.swing(planned if q_hit is None else q_hit)
+    limits = drive_limits(robot, acceleration, jerk)
+    start = robot.within_limits(robot.home if q0 is None else q0, "q0")
+    room = Room(robot, margin, table_height)
+    return SwingSearch(robot, hit, limits, room, start, dt, seed).swing(q_hit)
 
 
-def _asked(
-    robot: Robot | Plan, hit: Hit | Plan | None
-) -> tuple[Robot, Hit, NDArray[np.float64] | None]:
-    """Return the arm, the hit, and the planned configuration (n,) if there is one."""
-    if isinstance(robot, Plan):
-        if hit is not None:
-            raise InputError("hit", "given", "a plan has its own")
-        return _asked(_arm_of(robot), robot)
-    if isinstance(hit, Plan):
-        hit.check_robot(robot)
-        asked = hit.chosen_hit
-        return robot, asked, None if hit.best is None else hit.best.q
-    if hit is None:
-        raise InputError("hit", None, "what is asked of the arm")
-    return robot, hit, None
+@swing.register(Plan)
+def _swing_plan(  # type: ignore[misc]  # its first argument is another than that of swing
+    plan: Plan, robot: Robot | None = None, **options: Any
+) -> Swing:
+    """Carry out a plan: its hit, in its configuration.
 
-
-def _arm_of(plan: Plan) -> Robot:
-    """Return the arm of a plan; one made in Python knows its name only."""
-    if plan.hit.setting.robot is not None:
-        return plan.load_robot()
-    return plan.check_robot(load_robot(plan.robot))
+    Args:
+        plan: that says yes.
+        robot: the arm, if it is loaded already.
+        options: as `swing`; they go before what the plan says.
+    """
+    arm, hit, told = plan.carried_out(robot)
+    room = {"table_height": plan.hit.setting.table_height, "margin": plan.hit.setting.margin}
+    told |= {name: value for name, value in room.items() if value is not None}
+    return swing(arm, hit, **(told | options))

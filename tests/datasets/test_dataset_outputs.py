@@ -213,3 +213,31 @@ def test_a_replay_without_a_usable_file_is_written(run, tmp_path, ending):
     assert outcome.code == 1
     assert "no file could be used" in outcome.err
     assert (tmp_path / f"o.{ending}").exists()
+
+
+def test_a_request_to_end_leaves_no_scratch(tmp_path):
+    """SIGTERM while an output is written: one line, and nothing beside it."""
+    program = """
+import os, signal, sys, threading, time
+from hitjoints.cli import main
+import hitjoints.datasets.files as files
+
+def write(dataset, path):
+    path.write_text("half")
+    threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGTERM)).start()
+    time.sleep(30)
+
+files.write_csv = write
+main()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program, *SWEEP, "--out", "a.csv"],
+        check=False,
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.stderr == "error: terminated\n"
+    assert done.returncode == 128 + 15
+    assert os.listdir(tmp_path) == []

@@ -53,6 +53,22 @@ def test_few_rows_stay_in_the_calling_thread():
     assert seen == {threading.get_ident()}
 
 
+def test_nobody_is_asked_to_help_with_a_few_pieces_unless_it_is_wished(monkeypatch):
+    monkeypatch.setattr(rows, "available_cpus", lambda: 8)
+    started = []
+
+    def no_pool():
+        started.append(1)
+        raise InputError("pool", None, "not wanted")
+
+    monkeypatch.setattr(rows, "_pool", no_pool)
+    over_rows(lambda start, stop: None, 3 * ALIGNMENT, None, EAGER)
+    assert not started
+    for count, threads in ((5, None), (2, 2)):
+        with pytest.raises(InputError):
+            over_rows(lambda start, stop: None, count * ALIGNMENT, threads, EAGER)
+
+
 def test_an_error_in_a_piece_reaches_the_caller_and_the_threads_live_on():
     def work(start, stop):
         if start == 3 * ALIGNMENT:

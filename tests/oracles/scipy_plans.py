@@ -35,7 +35,11 @@ class SciPyPlanner:
             "rebound": self.inertia,
             "flux": self.flux,
             "straight-flux": self.straight_flux,
+            "deliverable": self.deliverable_flux,
         }
+        # Without a known jerk limit the acceleration is built up in a hundredth of a second.
+        self.a = robot.acceleration
+        self.j = robot.jerk if robot.jerk is not None or self.a is None else 100.0 * self.a
 
     def frames(self, q: Any) -> tuple[Any, Any, float]:
         """Return the joint's position, its Jacobian, and how far the next one is along h."""
@@ -65,6 +69,21 @@ class SciPyPlanner:
         J = self.frames(q)[1]
         found = self._fastest(J)
         return -found.fun / (1 + self.mass / self.inertia(q)) if found.status == 0 else 0.0
+
+    def deliverable_flux(self, q: Any) -> float:
+        """Return the greatest straight flux at speeds that leave room to stop on either side, m/s.
+
+        v^2 / a + v a / j <= 2 room, of which 98 % are used.
+        """
+        room = np.maximum(self.room(q), 0.0)
+        most = -0.5 * self.a**2 / self.j + np.sqrt(0.25 * self.a**4 / self.j**2 + 2 * room * self.a)
+        low, high = np.maximum(self.qd_lower, -most), np.minimum(self.qd_upper, most)
+        found = self._fastest(self.frames(q)[1], low, high)
+        return -found.fun / (1 + self.mass / self.inertia(q)) if found.status == 0 else 0.0
+
+    def room(self, q: Any) -> Any:
+        """Return the usable way to the nearer position limit, (n,) rad."""
+        return 0.98 * np.minimum(q - self.lower, self.upper - q)
 
     def samples(self, count: int, rng: np.random.Generator) -> list[Any]:
         """Return random configurations at the position, by damped Newton steps within limits."""
@@ -97,7 +116,8 @@ class SciPyPlanner:
         drawn = self.samples(samples, rng)
         if least_flux is not None:
             drawn = sorted(drawn, key=self.flux)[::-1][: 4 * starts]
-        ranked = sorted(drawn, key=self.flux if objective == "straight-flux" else value)[::-1]
+        straight = objective in ("straight-flux", "deliverable")
+        ranked = sorted(drawn, key=self.flux if straight else value)[::-1]
         ends = [self.improve(q, objective, least_flux) for q in ranked[:starts]]
         return max(
             (
@@ -135,7 +155,7 @@ class SciPyPlanner:
     def improve(self, q: Any, objective: str, least_flux: float | None) -> Any:
         """Return where SLSQP ends from q (n,)."""
         n = len(q)
-        straight = objective == "straight-flux"
+        straight = objective in ("straight-flux", "deliverable")
         constraints: list[Any] = [
             {
                 "type": "eq",
@@ -156,6 +176,15 @@ class SciPyPlanner:
             constraints.append(
                 {"type": "eq", "fun": lambda x: self.B @ self.frames(x[:n])[1] @ x[n:]}
             )
+        if objective == "deliverable":
+            constraints.append(
+                {
+                    "type": "ineq",
+                    "fun": lambda x: (
+                        2 * self.room(x[:n]) - x[n:] ** 2 / self.a - abs(x[n:]) * self.a / self.j
+                    ),
+                }
+            )
 
         def cost(x: Any) -> float:
             if not straight:
@@ -169,6 +198,7 @@ class SciPyPlanner:
         )  # fmt: skip
         return np.clip(run.x[:n], self.lower, self.upper)
 
-    def _fastest(self, J: Any) -> Any:
-        bounds = np.column_stack((self.qd_lower, self.qd_upper))
+    def _fastest(self, J: Any, low: Any = None, high: Any = None) -> Any:
+        low, high = (self.qd_lower if low is None else low, self.qd_upper if high is None else high)
+        bounds = np.column_stack((low, high))
         return linprog(-(self.h @ J), A_eq=self.B @ J, b_eq=np.zeros(2), bounds=bounds)

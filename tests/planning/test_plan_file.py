@@ -156,3 +156,20 @@ def test_mutated_plans_are_never_a_traceback(planned, saved):
             message = str(error)
             assert "\n" not in message
     assert 30 < refused < 150
+
+
+def test_objects_chain(run, planned, saved):
+    """The same numbers from six calls and from as many commands."""
+    plan = hj.load_plan(saved)
+    rolled, simulated, swung = hj.rollout(plan), hj.simulate(plan), hj.swing(plan)
+    told = run("rollout", "--plan", saved, "--json").json
+    assert told["impact"]["flux"] == pytest.approx(rolled.impact.flux, rel=1e-9)
+    assert told["impact"]["q"] == pytest.approx(list(rolled.impact.q), abs=1e-9)
+    told = run("simulate", "--plan", saved, "--json").json
+    assert told["predicted"]["object_speed"] == pytest.approx(
+        simulated.predicted.object_speed, rel=1e-9
+    )
+    told = run("swing", "--plan", saved, "--json").json
+    assert told["q_hit"] == pytest.approx(list(swung.q_hit), abs=1e-9)
+    assert rolled.hit.contact == swung.hit.contact == planned.chosen_hit.contact
+    assert rolled.impact.flux == pytest.approx(0.3, rel=0.01)

@@ -72,6 +72,9 @@ def test_a_joint_beyond_a_flange_is_a_jaw_whatever_it_is_called(urdf, end):
 def test_a_link8_in_the_middle_of_an_arm_is_no_end(urdf):
     xml = arm_of(urdf, joints=7).replace("seg3", "arm_link8")
     assert load_robot(urdf.write(xml)).n == 7
+    head = urdf.link("head"), urdf.joint("nod", "base", "head")
+    with pytest.raises(ModelError, match=r"--tip seg7 \(7 joints\), --tip head \(1 joint\)"):
+        load_robot(urdf.write(xml.replace("</robot>", "".join(head) + "</robot>")))
 
 
 def test_a_hand_beyond_a_flange_is_held(urdf):

@@ -121,9 +121,11 @@ def test_a_plan_with_the_tip_is_rolled_out_with_the_tip(tmp_path, run):
     np.testing.assert_allclose(
         hj.position(held, best["q"], held.flange), [0.55, 0.2, 0.5], atol=1e-6
     )
-    bare = run("rollout", "--plan", planned)
-    assert bare.code == 1
-    assert "it is made for another iiwa14" in bare.err
+    heavier = tmp_path / "sledge.toml"
+    heavier.write_text(TOML.replace("mass = 0.8", "mass = 1.8"))
+    other = run("rollout", "--tool", heavier, "--plan", planned)
+    assert other.code == 1
+    assert "plan" in other.err
     rolled = run("rollout", "--tool", file, "--plan", planned, "--flux", "0.1", "--json").json
     assert np.linalg.norm(np.subtract(rolled["impact"]["position"], [0.55, 0.2, 0.5])) < 0.02
 

@@ -43,6 +43,7 @@ LIMITS = [
     (-np.inf, np.inf, 0, (-np.pi, np.pi)),
     (-np.inf, np.inf, 2, (2 - np.pi, 2 + np.pi)),
     (-1e6, 1e6, 0, (-np.pi, np.pi)),
+    (-1.7976931348623157e308, 1.7976931348623157e308, 0, (-np.pi, np.pi)),
     (-0.5, 1e6, 0, (-0.5, TURN - 0.5)),
     (-1e6, 0.5, 0, (0.5 - TURN, 0.5)),
     (-TURN, TURN, 0, (-TURN, TURN)),

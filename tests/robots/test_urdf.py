@@ -253,6 +253,10 @@ def refused_trees(urdf):
         "nameless link": (urdf.robot("<link/>"), "a <link> has no name"),
         "empty name": (urdf.robot('<link name=""/>'), "a <link> has no name"),
         "twice": (urdf.robot(base, base), "two <link> elements are called base"),
+        "absurd inertia": (
+            urdf.robot(base, link("link_1", products=("-1e308", 0, 0)), one[1]),
+            "link link_1: inertial holds 1e+308: no link is so heavy",
+        ),
         "NaN mass": (
             urdf.robot(base, link("link_1", mass="nan"), one[1]),
             "link link_1: inertial mass value = 'nan' is not a finite number",
@@ -279,8 +283,8 @@ def refused_trees(urdf):
 CASES = [
     "malformed", "empty", "another document", "two branches", "two arms", "missing child",
     "missing parent", "no parent named", "two roots", "no link", "two parents", "loop",
-    "rigid loop", "no joint", "rigid", "nameless link", "empty name", "twice", "NaN mass",
-    "NaN inertia", "NaN mass centre", "no mass", "no product",
+    "rigid loop", "no joint", "rigid", "nameless link", "empty name", "twice",
+    "absurd inertia", "NaN mass", "NaN inertia", "NaN mass centre", "no mass", "no product",
 ]  # fmt: skip
 
 

@@ -135,6 +135,13 @@ def test_a_file_that_loops_is_given_up(tmp_path, monkeypatch):
         load_robot(path)
 
 
+def test_nothing_in_the_working_folder_is_imported(arm_file, tmp_path, monkeypatch):
+    for name in ("xacro", "yaml", "json", "hitjoints"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('imported')")
+    monkeypatch.chdir(tmp_path)
+    assert load_robot(arm_file).n == 3
+
+
 def test_without_the_package_the_install_line_is_told(arm_file, monkeypatch):
     monkeypatch.setattr(xacro_file, "find_spec", lambda name: None)
     assert importlib.util.find_spec("xacro")

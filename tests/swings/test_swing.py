@@ -77,18 +77,6 @@ def test_a_plan_is_struck_in_its_configuration(arm):
     np.testing.assert_allclose(turned, np.round(turned), atol=1e-9)
 
 
-def test_a_plan_can_be_swung_as_it_is(arm):
-    robot = arm("iiwa14")
-    plan = hj.plan(robot, OBJECT, ALONG, 2.0, [6], "straight-flux", flux=0.3, certificate=False)
-    made, other = hj.swing(plan), hj.swing(robot, plan)
-    assert made.joints.q.tobytes() == other.joints.q.tobytes()
-    assert made.flux == pytest.approx(0.3, rel=1e-6)
-    with pytest.raises(InputError, match="a plan has its own"):
-        hj.swing(plan, plan.hit)
-    with pytest.raises(InputError, match="hit"):
-        hj.swing(robot)
-
-
 def test_same_input_same_bits(bare, arm):
     again = hj.swing(arm("iiwa14"), bare.hit)
     for one, other in zip(bare.joints, again.joints, strict=True):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import singledispatch
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from hitjoints.impact.collision import object_speed, rebound
 from hitjoints.impact.elastic import ElasticImpact, elastic_impact
 from hitjoints.impact.rotor import known_rotors, known_stiffness
 from hitjoints.model.engine import engine
+from hitjoints.planning.plan_record import Plan
 from hitjoints.rollouts.follow import rollout
 from hitjoints.swings.as_rollout import as_rollout
 from hitjoints.swings.swing_record import Swing
@@ -36,7 +38,8 @@ GRAVITY = 9.81
 """m/s^2, of the engine too."""
 
 
-def simulate(
+@singledispatch
+def simulate(  # noqa: PLR0913
     robot: Robot | Swing,
     hit: Hit | None = None,
     *,
@@ -173,6 +176,24 @@ class ServoReference:
         """Return the joint velocities (n,) rad/s at a time (s) since the impact."""
         row = int(time / self._dt)
         return np.asarray(self._qd[row] if row < len(self._qd) else np.zeros_like(self._qd[0]))
+
+
+@simulate.register(Plan)
+def _simulate_plan(  # type: ignore[misc]  # its first argument is another than that of simulate
+    plan: Plan, robot: Robot | None = None, **options: Any
+) -> Simulation:
+    """Carry out a plan: its hit, in its configuration.
+
+    Args:
+        plan: that says yes.
+        robot: the arm, if it is loaded already.
+        options: as `simulate`; they go before what the plan says.
+    """
+    arm, hit, told = plan.carried_out(robot)
+    told["torque_limits"] = plan.hit.setting.torque_limits
+    known = {"restitution": hit.restitution, "friction": hit.friction, "size": hit.size}
+    told |= {name: value for name, value in known.items() if value is not None}
+    return simulate(arm, hit, **(told | options))
 
 
 def impact_of(motion: Rollout) -> ImpactState:

@@ -89,7 +89,7 @@ class Replay:
         }
 
 
-def replay(
+def replay(  # noqa: PLR0913
     paths: str | Path | Iterable[str | Path] | None = None,
     *,
     robot: Robot | str | Path | None = None,

@@ -15,6 +15,10 @@ QUICKEST = 0.01
 WORTH_A_THREAD = 1e6
 """Nanoseconds of work in a piece: waking a thread for less costs more than it saves."""
 
+FOR_A_THREAD = 4
+"""Pieces for which a thread is asked to help if nobody says how many shall: on a busy machine it
+may begin late, and with few pieces that is waited for."""
+
 ALIGNMENT = 4096
 """Pieces start at multiples of this."""
 
@@ -62,7 +66,10 @@ def over_rows(
     blocks = round(WORTH_A_THREAD / (max(nanoseconds, QUICKEST) * ALIGNMENT))
     piece = max(1, blocks) * ALIGNMENT
     pieces = -(-rows // piece)
-    helpers = min(pieces, available_cpus() if threads is None else threads) - 1
+    if threads is None:
+        helpers = min(pieces // FOR_A_THREAD, available_cpus() - 1)
+    else:
+        helpers = min(pieces, threads) - 1
     if helpers < 1:
         work(0, rows)
         return

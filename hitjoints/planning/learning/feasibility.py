@@ -87,7 +87,8 @@ class Feasibility:
             position where the arm allows it.
         q: (T, n) rad, the best configuration of each hit, turned likewise.
         layers: weights (i, o) and offsets (o,) of the network in turn.
-        centre, scale: (F + 1,), of the network's inputs, a hit and a flux.
+        centre: (F + 1,), of the network's inputs, a hit and a flux.
+        scale: (F + 1,), of the same.
         provenance: seed, sizes and versions it was trained with.
     """
 

@@ -41,7 +41,9 @@ def maximum_flux(
     """Return the greatest flux of sampled configurations, and which has it.
 
     Args:
-        robot, contact, mass: what hits, and what is hit (kg).
+        robot: the arm.
+        contact: what hits.
+        mass: of the object, kg.
         positions: (P, 3) m.
         directions: (D P, 3) unit vectors, the P positions' first directions first.
         samples: configurations per position.

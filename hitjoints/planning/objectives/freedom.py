@@ -71,7 +71,8 @@ def freedom(
     """Return the freedom of a contact at an object.
 
     Args:
-        robot, contact: what hits.
+        robot: the arm.
+        contact: what hits.
         position: (3,) m; None for where q puts the contact.
         q: (n,) rad.
         h: (3,) unit vector.

@@ -46,7 +46,8 @@ class HitProblem:
         objective: what is maximised.
         flux: m/s that must be reached at least, if any.
         deliverable: that flux is one that a motion from rest to rest delivers; else Eq. 10's.
-        lower, upper: (n,) rad bounds of q; the robot's own when not given.
+        lower: (n,) rad, lower bounds of q; the robot's own when not given.
+        upper: (n,) rad, upper bounds of q, likewise.
 
     A straight speed is the maximum of a linear program whose data depend on q; it has ridges where
     the program's basis changes. Taking the joint velocities as variables beside q makes the

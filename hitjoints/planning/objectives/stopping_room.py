@@ -24,7 +24,8 @@ class StoppingRoom:
 
     Args:
         limits: of the drives.
-        lower, upper: (n,) rad, position limits.
+        lower: (n,) rad, lower position limits.
+        upper: (n,) rad, upper position limits.
         movers: how many joints, from the base, move the contact.
     """
 

@@ -30,7 +30,8 @@ def straight_velocities(pull: Array, across: Array, lower: Array, upper: Array) 
     Args:
         pull: (N, n) m/rad, g = J^T h.
         across: (N, 2, n) m/rad, the lateral rows a = B^T J.
-        lower, upper: (n,) rad/s, or (N, n).
+        lower: (n,) or (N, n) rad/s.
+        upper: (n,) or (N, n) rad/s.
     """
     rows, n = pull.shape
     pairs = np.array(list(combinations(range(n), 2)), dtype=int).reshape(-1, 2)

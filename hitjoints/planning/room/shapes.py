@@ -84,7 +84,8 @@ class Scene:
 
         Args:
             q: (n,) rad, where the contact touches it.
-            contact, h: what hits, and the direction (3,).
+            contact: what hits.
+            h: (3,) unit vector, the direction.
             size: (3,) m, edges.
             turned: (3, 3), the axes of these edges as columns; by default those of the base.
         """

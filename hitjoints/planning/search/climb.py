@@ -39,7 +39,8 @@ class Values:
     """A problem at N points x.
 
     Attributes:
-        value: (N,) to be maximised. gradient: (N, m).
+        value: (N,) to be maximised.
+        gradient: (N, m).
         residual: (N, c) the equalities first, zero when met; then the inequalities, met when <= 0.
         slope: (N, c, m) their Jacobian.
     """
@@ -63,7 +64,8 @@ class Problem(Protocol):
     """Something to maximise under equalities, inequalities and bounds.
 
     Attributes:
-        lower, upper: (m,) bounds of x; equal ones keep a variable fixed.
+        lower: (m,) lower bounds of x.
+        upper: (m,) upper bounds; equal ones keep a variable fixed.
         equalities: how many of the residuals are equalities.
     """
 

@@ -2,7 +2,9 @@
 
 Each group draws its own samples and never sees the others' results, so that their agreement is
 evidence: several searches that end at the same value have probably found the global optimum. The
-groups go on hopping, a bounded number of rounds, until all agree twice in turn.
+groups go on hopping, a bounded number of rounds, until all agree twice in turn. Half of them start
+from configurations far apart, half from closer ones: where one way of looking misses an optimum,
+the other may not, and then they disagree.
 """
 
 from __future__ import annotations
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
 GROUPS = 4
 SAMPLES = 512  # per group
 STARTS, STRAIGHT_STARTS = 32, 24  # per group and climb; fewer where qd doubles the variables
+ANY = 16  # starts per group that are not chosen by their value
 KEPT = 3  # optima per group that hops start from
 VARIANTS = 48  # per optimum
 ROUNDS = 4  # of hops, at most; until all groups agree twice in turn
@@ -33,7 +36,7 @@ POOLED = 2  # rounds of hops after that, from the optima of all groups
 AGREE = 5e-5  # relative
 PROBES = 64  # samples that tell which joints matter
 SAME = 1e-6  # relative
-APART = 1.0  # rad, between starts
+APART = (1.0, 0.5)  # rad, between starts: groups look wide and close in turn
 PENALTY = 3.0  # of an excess, against the logarithm of the objective
 GLANCE, COARSE, FINE = 3, 4, 40  # steps of a climb
 
@@ -45,7 +48,8 @@ class Found:
     Attributes:
         x: (S, m) local optima, best first; empty if nothing satisfies the constraints.
         value: (S,) their objective.
-        samples, admissible: configurations drawn, and how many met every constraint.
+        samples: configurations drawn.
+        admissible: how many of them met every constraint.
         screened: (A, n) the admissible samples, best first.
         local_optima: how many optima of different value were found.
         restarts: best value that each group found by itself, of those that found one.
@@ -90,7 +94,15 @@ def search(problem: HitProblem, sampler: Sampler, seed: int, hints: Sequence[Arr
     pools = np.array_split(np.arange(len(q)), GROUPS)
     count = STRAIGHT_STARTS if problem.moving else STARTS
     weight = _weights(problem, q[:PROBES])
-    starts = [_starts(problem, q[pool], value[pool], excess[pool], count, weight) for pool in pools]
+    starts = [
+        _starts(problem, q[pool], value[pool], excess[pool], count, weight / _apart(group))
+        for group, pool in enumerate(pools)
+    ]
+    for group, (pool, rng) in enumerate(zip(pools, rngs, strict=True)):
+        # An optimum may be narrow, and the samples near it poor: some starts are any at all.
+        usable = pool[excess[pool] == 0]
+        blind = rng.permutation(usable)[:ANY]
+        starts[group] = np.concatenate((starts[group], q[blind]))
     for group, known in enumerate(hints):
         starts[group] = np.concatenate((known[:, : problem.n], starts[group]))
     now = _climb(problem, starts)
@@ -136,7 +148,9 @@ class _Optima:
     """Where the climbs of all groups ended.
 
     Attributes:
-        x: (S, m). value: (S,), -inf for a climb that got nowhere. group: (S,).
+        x: (S, m).
+        value: (S,), -inf for a climb that got nowhere.
+        group: (S,), which group each belongs to.
     """
 
     x: Array
@@ -196,9 +210,10 @@ def _hop(
     count = STRAIGHT_STARTS if problem.moving else STARTS
     fresh = (count - KEPT) * (GROUPS // len(rngs))
     starts, end = [], 0
-    for rows, variants in zip(best, near, strict=True):
+    for group, (rows, variants) in enumerate(zip(best, near, strict=True)):
         part = slice(end, end + len(variants))
-        chosen = _starts(problem, placed[part], value[part], excess[part], fresh, weight)
+        scale = weight / _apart(group)
+        chosen = _starts(problem, placed[part], value[part], excess[part], fresh, scale)
         starts.append(np.concatenate((q[rows], chosen)))
         end = part.stop
     more = _climb(problem, starts)
@@ -225,30 +240,35 @@ def _weights(problem: HitProblem, q: Array) -> Array:
     return np.asarray(np.minimum(1.0, typical / max(float(np.median(typical)), 1e-12)))
 
 
+def _apart(group: int) -> float:
+    """Return how far apart (rad) the starts of a group are."""
+    return APART[group % len(APART)]
+
+
 def _starts(
-    problem: HitProblem, q: Array, value: Array, excess: Array, count: int, weight: Array
+    problem: HitProblem, q: Array, value: Array, excess: Array, count: int, scale: Array
 ) -> Array:
     """Choose what to climb from: the best admissible rows, or else those nearest to it.
 
     A demanded flux leaves small islands that samples miss; climbs that have to be pulled onto them
     from good values find more.
     """
-    chosen = _diverse(q * weight, value, excess, count)
+    chosen = _diverse(q * scale, value, excess, count)
     if problem.flux is not None:
         usable = np.isfinite(excess)
         short = np.where(usable, PENALTY * excess, np.inf)
-        bold = _diverse(q * weight, value - short, np.where(usable, 0.0, np.inf), count)
+        bold = _diverse(q * scale, value - short, np.where(usable, 0.0, np.inf), count)
         chosen = np.union1d(chosen, bold)
     return np.asarray(q[chosen])
 
 
 def _diverse(q: Array, value: Array, excess: Array, count: int) -> NDArray[np.intp]:
-    """Choose rows (<= count) of high value, apart from each other, the admissible ones first."""
+    """Choose rows (<= count) of high value, 1 apart at least, the admissible ones first."""
     usable = np.isfinite(excess) & np.isfinite(value)
     order = np.lexsort((-value, excess))
     order = order[usable[order]]
     chosen: list[int] = []
     while order.size and len(chosen) < count:
         chosen.append(int(order[0]))
-        order = order[((q[order] - q[order[0]]) ** 2).sum(axis=1) > APART**2]
+        order = order[((q[order] - q[order[0]]) ** 2).sum(axis=1) > 1.0]
     return np.array(chosen, dtype=int)

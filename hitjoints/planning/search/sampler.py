@@ -23,7 +23,8 @@ class Sampler:
 
     Args:
         task: what is asked; without a position, every configuration will do.
-        lower, upper: (n,) rad bounds; equal ones keep a joint where it is.
+        lower: (n,) rad, lower bounds.
+        upper: (n,) rad, upper bounds; equal ones keep a joint where it is.
     """
 
     def __init__(self, task: Task, lower: Array, upper: Array) -> None:

@@ -1,0 +1,1 @@
+"""The whole of a wish: joint, motion, where the object ends, and a verdict."""

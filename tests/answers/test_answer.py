@@ -1,0 +1,134 @@
+"""From a wish to a verdict, and back: what is promised can be had."""
+
+import json
+
+import numpy as np
+import pytest
+
+import hitjoints as hj
+from hitjoints.answers.nearest import nearest_hit
+from hitjoints.errors import InputError
+from hitjoints.hit_loading import load_hit
+
+WISH = """
+schema = 1
+[robot]
+source = "iiwa14"
+[contact]
+joints = [7]
+[object]
+position = [0.5, 0.2, 0.4]
+mass = 1.0
+size = [0.1, 0.1, 0.1]
+restitution = 0.4
+friction = 0.3
+spread = { friction = 0.02, offset = 0.003 }
+[wish]
+goal = [0.5, GOAL, 0.4]
+"""
+
+
+def wish(folder, goal):
+    path = folder / "wish.toml"
+    path.write_text(WISH.replace("GOAL", repr(goal)))
+    return path
+
+
+@pytest.fixture(scope="module")
+def granted(tmp_path_factory):
+    return hj.answer(load_hit(wish(tmp_path_factory.mktemp("granted"), 0.4)))
+
+
+@pytest.fixture(scope="module")
+def refused(tmp_path_factory):
+    return hj.answer(load_hit(wish(tmp_path_factory.mktemp("refused"), 4.2)))
+
+
+def test_a_goal_in_reach_is_granted(granted):
+    assert granted.verdict == "sendable"
+    assert granted.swing.flux == pytest.approx(granted.hit.desired_flux, rel=5e-3)
+    assert granted.landing.nominal == pytest.approx([0.5, 0.4, 0.4], abs=3e-3)
+    assert 0.5 < granted.landing.within <= 1
+    told = granted.as_dict()
+    assert told["plan"]["joint"] == told["joint"] == told["swing"]["joint"] == 7
+    assert told["flux"] == told["swing"]["flux"]
+    assert told["object_speed"] == pytest.approx(1.4 * told["flux"])
+    assert "sendable" in granted.words
+    json.dumps(told["landing"])
+
+
+def test_a_goal_out_of_reach_is_refused_with_what_can_be_had(refused):
+    assert refused.verdict == "no"
+    assert refused.swing is None
+    assert "beyond the maximum" in refused.reason
+    assert 0 < refused.nearest.distance < 4.0
+    assert "instead" in refused.words
+
+
+def test_what_can_be_had_instead_is_granted(refused, tmp_path):
+    reach = refused.nearest.goal[1]
+    again = hj.answer(load_hit(wish(tmp_path, float(0.2 + 0.97 * (reach - 0.2)))))
+    assert again.verdict == "sendable"
+
+
+def test_the_heaviest_object_is_that_of_eq_4():
+    hit = hj.Hit(7, (0.5, 0.2, 0.4), (0, 1, 0), 4.0, flux=0.5)
+    found = nearest_hit(hit, 7, inertia=3.0, flux=0.4)
+    speed = hj.required_speed(3.0, 4.0, 0.4)
+    assert hj.hitting_flux(3.0, found.mass, speed) == pytest.approx(0.5)
+    assert found.goal is None
+    assert nearest_hit(hit, 7, inertia=3.0, flux=0.1).mass is None
+
+
+def test_no_arm_is_said():
+    with pytest.raises(InputError, match="with which arm"):
+        hj.answer(hj.Hit(7, (0.5, 0.2, 0.4), (0, 1, 0), 1.0, 0.2))
+
+
+def test_the_command_writes_all_of_it_and_runs_again_from_what_it_wrote(run, tmp_path):
+    out = tmp_path / "out"
+    first = run("hit", wish(tmp_path, 0.4), "--out", out, "--json")
+    assert first.code == 0
+    told = json.loads(first.out)
+    assert sorted(path.name for path in out.iterdir()) == [
+        "answer.json", "hit.png", "hit.toml", "plan.json", "trajectory.csv", "trajectory.json",
+    ]  # fmt: skip
+    assert told["verdict"] == "sendable"
+    again = run("hit", out / "hit.toml", "--json")
+    assert again.code == 0
+    assert json.loads(again.out)["swing"] == told["swing"]
+    assert json.loads(again.out)["landing"] == told["landing"]
+    lines = [
+        line
+        for line in (out / "trajectory.csv").read_text().splitlines()
+        if not line.startswith("#")
+    ]
+    rows = np.genfromtxt(lines, delimiter=",", names=True)
+    at = int(np.argmin(np.abs(rows["time"] - told["swing"]["impact_time"])))
+    q = [rows[f"q{i + 1}"][at] for i in range(7)]
+    assert q == pytest.approx(told["swing"]["q_hit"], abs=1e-9)
+
+
+def test_a_no_ends_with_3(run, tmp_path):
+    outcome = run("hit", wish(tmp_path, 9.0), "--json")
+    assert outcome.code == 3
+    told = json.loads(outcome.out)
+    assert told["verdict"] == "no"
+    assert told["nearest"]["distance"] > 0
+
+
+def test_a_new_file_runs_unchanged(run, tmp_path):
+    path = tmp_path / "hit.toml"
+    assert run("hit", "--new", path).code == 0
+    assert run("hit", path, "--json").code == 0
+    again = run("hit", "--new", path)
+    assert again.code == 1
+    assert "not overwritten" in again.err
+
+
+def test_outputs_that_cannot_be_written_are_refused_first(run, tmp_path):
+    path = wish(tmp_path, 0.4)
+    for out, words in ((path, "a folder is needed"), (tmp_path / "a" / "b", "there is no folder")):
+        outcome = run("hit", path, "--out", out)
+        assert outcome.code == 1
+        assert words in outcome.err
