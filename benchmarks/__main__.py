@@ -25,6 +25,7 @@ MODULES = (
     "learning",
     "recordings",
     "simulation",
+    "elastic",
 )
 DOCS = Path(__file__).parents[1] / "docs"
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 import hitjoints as hj
-from benchmarks.harness import seconds
+from benchmarks.harness import Figure, seconds
 from hitjoints.evidence.physics.engine_scene import ImpactState
 from hitjoints.evidence.physics.setting import Setting
 from hitjoints.evidence.physics.strike import strike
@@ -29,6 +29,8 @@ GAIN = 50.0
 """N m s/rad, of velocity servos at the motors of every other hit."""
 SLOWEST = 0.2
 """m/s: an arm next to a singularity whirls, and its contact hardly moves."""
+CASES = 1_000
+"""Of `python -m benchmarks`."""
 GRAZING = 0.05
 """Share of the contact time: a second contact that follows sooner makes the parting doubtful."""
 
@@ -129,14 +131,21 @@ def energy_grows(count: int, seed: int = 0) -> int:
     return grown
 
 
-def main(count: int) -> None:
-    """Print the errors of each arm at each contact time, energy that grows, and the time of one."""
-    cases = 10_000 if count >= 60 else 100 * count
-    print(f"energy grows in {energy_grows(cases)} of {cases} random hits")
+def measure(cases: int = CASES) -> list[Figure]:
+    """Return the time of one elastic impact, and how often the energy grows."""
     robot, _ = rotors_of("iiwa14")
     asked = robot, robot.home, 7, (0.0, 1.0, 0.0), 0.4, 1.0, 0.5
     spent = min(seconds(lambda: hj.elastic_impact(*asked, 0.01)) for _ in range(200))
-    print(f"one elastic impact takes {1e3 * spent:.2f} ms")
+    return [
+        Figure("one hit on elastic joints, in closed form", 1e3 * spent, "ms", "<= 0.5"),
+        Figure(f"energy grows, of {cases} random hits", float(energy_grows(cases)), "", "<= 0"),
+    ]
+
+
+def main(count: int) -> None:
+    """Print the errors of each arm at each contact time, energy that grows, and the time of one."""
+    for figure in measure(10 * CASES):
+        print(f"{figure.what}: {figure.value:.3g} {figure.unit} {figure.target}")
     print("arm      contact  object speed off, %: median, 95 of 100, most   robot speed, % of v")
     for name in ARMS:
         hits = planned(name, count)

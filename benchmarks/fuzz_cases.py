@@ -217,7 +217,8 @@ def _input(corpus: Corpus, chance: random.Random, long: str, hostile: bool) -> s
         return chance.choice(SANE["robot"])
     if hostile:
         text = chance.choice(HOSTILE_TEXTS)
-        return text if text != "/dev/zero" else "/dev/null"
+        # Folders of the machine are searched for recordings as long as there are any.
+        return text if text not in ("/dev/zero", "/", "..", "../..") else "/dev/null"
     kinds = INPUTS[long] if chance.random() < 0.9 else KINDS
     return corpus.spoilt(chance, chance.choice(kinds))
 

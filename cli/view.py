@@ -43,7 +43,7 @@ def view(
 ) -> None:
     """Show the arm in the browser: sliders, inertia at the contact, plans and hits."""
     from hitjoints.datasets.files import write_whole
-    from hitjoints.show.viewer import view as show
+    from hitjoints.show.open_viewer import view as show
 
     planned, out = start.planned(), output.out
     asked = hit.read(planned)

@@ -68,6 +68,7 @@ from .loading.load import (
 )
 from .maps.contact_time_sweep import sweep_contact_time as sweep_contact_time
 from .maps.joint_sweep import sweep_joint as sweep_joint
+from .maps.mass_sweep import sweep_mass as sweep_mass
 from .maps.workspace import open_map as open_map
 from .maps.workspace import sweep_workspace as sweep_workspace
 from .model.robot import Contact as Contact
@@ -99,7 +100,7 @@ from .quantities import (
     place_joint as place_joint,
 )
 from .rollouts.follow import rollout as rollout
-from .show.viewer import view as view
+from .show.open_viewer import view as view
 from .swings.make_swing import swing as swing
 from .swings.swing_record import Swing as Swing
 from .version import __version__ as __version__

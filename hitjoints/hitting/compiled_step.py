@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.built import chain_of
+from hitjoints.built import chain_of, refused_by_name
 from hitjoints.errors import KernelMismatchError
 from hitjoints.hitting.step import SLOWED, Step
 from hitjoints.hitting.step_tape import Setting, record_step_of
@@ -102,11 +102,14 @@ def program_for(robot: Robot, contact: Contact) -> ScalarProgram:
 
     Raises:
         KernelMismatchError: its kinematics or inertias disagree.
+        ModelError: a joint carries no inertia.
     """
     from hitjoints.kernels.tape.scalar import ScalarProgram  # which needs llvmlite
 
     chain = chain_of(robot)
-    program = ScalarProgram(record_step_of(chain, chain.attach(contact.joint, contact.offset)))
+    attached = chain.attach(contact.joint, contact.offset)
+    with refused_by_name(robot):
+        program = ScalarProgram(record_step_of(chain, attached))
     inputs, outputs, run = program.bind()
     n, data = robot.n, robot.model.createData()
     where = (contact.joint, contact.offset)

@@ -88,19 +88,32 @@ def read_mesh(path: Path, scale: Sequence[float]) -> Any:
         mesh = coal.MeshLoader(coal.NODE_TYPE.BV_AABB).load(str(path), np.array(scale, float))
     except (ValueError, RuntimeError) as error:
         raise MeshError(f"mesh {path.name} cannot be read: {_reason(error)}") from None
+    check_surface(mesh, path.name)
+    return mesh
+
+
+def check_surface(mesh: Any, name: str) -> None:
+    """Refuse a mesh that has no hull.
+
+    Args:
+        mesh: Coal's triangles.
+        name: what to call it in messages.
+
+    Raises:
+        MeshError: its vertices are no numbers, too far away, too near each other, or on a line.
+    """
     points = vertices(mesh)
     if not np.isfinite(points).all():
-        raise MeshError(f"mesh {path.name} has a vertex that is no finite number")
+        raise MeshError(f"mesh {name} has a vertex that is no finite number")
     if not len(points):
-        raise MeshError(f"mesh {path.name} is no surface: it has no vertex")
+        raise MeshError(f"mesh {name} is no surface: it has no vertex")
     far, lengths = float(np.abs(points).max()), _extents(points)[0]
     if far > FARTHEST:
-        raise MeshError(f"mesh {path.name} has a vertex {far:.3g} m away: is its scale right?")
+        raise MeshError(f"mesh {name} has a vertex {far:.3g} m away: is its scale right?")
     if lengths[0] < SMALLEST * max(1, far):
-        raise MeshError(f"mesh {path.name} is {lengths[0]:.3g} m long: is its scale right?")
+        raise MeshError(f"mesh {name} is {lengths[0]:.3g} m long: is its scale right?")
     if lengths[1] <= FLAT * lengths[0]:
-        raise MeshError(f"mesh {path.name} is no surface: its points lie on one line")
-    return mesh
+        raise MeshError(f"mesh {name} is no surface: its points lie on one line")
 
 
 def vertices(mesh: Any) -> Array:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from hitjoints.model.tree import Tree
 
 NAME, TIP = "tool", "tool_tip"
+LARGEST = 1e6  # kg, m, kg m^2
 ROUND_OFF = 1e-6  # relative slack for tensors written with a few digits
 
 
@@ -47,12 +48,14 @@ class Tool:
 
     def __post_init__(self) -> None:
         mass = real(self.mass, "tool mass", "a number in kg")
-        if mass.shape != () or not (np.isfinite(mass) and mass >= 0):
-            raise InputError("tool mass", self.mass, "a mass in kg, not below zero")
+        if mass.shape != () or not 0 <= mass <= LARGEST:
+            raise InputError(
+                "tool mass", self.mass, f"a mass in kg, not below zero, at most {LARGEST:g}"
+            )
         values = {"mass": float(mass)}
         if self.radius is not None:
             radius = real(self.radius, "tool radius", "a number in m")
-            if radius.shape != () or not (np.isfinite(radius) and radius > 0):
+            if radius.shape != () or not 0 < radius <= LARGEST:
                 raise InputError("tool radius", self.radius, "a length in m above zero")
             values["radius"] = float(radius)
         for name in ("com", "tip"):
@@ -84,7 +87,7 @@ class Tool:
 def _numbers(value: ArrayLike, name: str, *shapes: tuple[int, ...]) -> NDArray[np.float64]:
     wanted = " or ".join(" x ".join(map(str, shape)) for shape in shapes) + " finite numbers"
     array = np.array(real(value, f"tool {name}", wanted))
-    if array.shape not in shapes or not np.isfinite(array).all():
+    if array.shape not in shapes or not (np.abs(array) <= LARGEST).all():
         raise InputError(f"tool {name}", value, wanted)
     array.setflags(write=False)
     return array

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import signal
-import socket
 import threading
 import time
 from contextlib import redirect_stdout
@@ -45,49 +44,6 @@ STEP = 0.001  # rad, of the sliders
 EDGE, POINT = 0.1, 0.018  # m, of the object drawn, and radius of the contact
 ENDS = (signal.SIGINT, signal.SIGTERM)
 GLASS = 0.7  # opacity of the links: a joint's origin lies inside its link
-
-
-def view(  # noqa: PLR0913
-    robot: Robot,
-    q: ArrayLike | None = None,
-    contact: Contact | int | None = None,
-    *,
-    position: ArrayLike = (0.5, 0.3, 0.5),
-    direction: ArrayLike = (0.0, 1.0, 0.0),
-    mass: float = 2.0,
-    flux: float = 0.3,
-    q_hit: ArrayLike | None = None,
-    host: str = "127.0.0.1",
-    port: int = 8080,
-) -> Viewer:
-    """Show an arm in the browser, with the inertia felt at a contact, and let it plan and hit.
-
-    Args:
-        robot: the arm.
-        q: (n,) rad, the configuration to begin with; home by default.
-        contact: joint number or Contact; the last but one of the hitting joints by default.
-        position, direction, mass, flux: the hit, see `Hit`; all but the offset of the contact can
-            be changed in the browser.
-        q_hit: (n,) rad, the configuration that the hit is played to; planned when not given.
-        host, port: where to serve; the next free port if this one is taken.
-
-    Returns:
-        A `Viewer`, which serves in threads of its own until `stop` or the end of the program.
-
-    Raises:
-        InputError: an argument cannot be used.
-        MissingExtraError: viser is not installed.
-        ModelError: a collision shape cannot be drawn.
-    """
-    chosen = robot.contact(robot.usual_joint if contact is None else contact)
-    hit = Hit(chosen, np.asarray(position), np.asarray(direction), mass, flux)
-    if not 0 < port < 65536:
-        raise InputError("port", port, "a port is from 1 to 65535")
-    _check_address(host)
-    viewer = Viewer(robot, hit, robot.within_limits(robot.home if q is None else q), host, port)
-    if q_hit is not None:
-        viewer.remember(hit, robot.within_limits(q_hit, "q_hit"))
-    return viewer
 
 
 class Viewer:
@@ -331,15 +287,6 @@ def _is_at(planned: Hit, hit: Hit) -> bool:
         and np.allclose(planned.direction, hit.direction, rtol=0, atol=1e-12)
         and planned.contact == hit.contact
     )
-
-
-def _check_address(host: str) -> None:
-    """Refuse an address that is not this machine's: viser would wait for ever."""
-    try:
-        with socket.socket() as probe:
-            probe.bind((host, 0))
-    except OSError as error:
-        raise InputError("host", host, f"it cannot be served on ({error.strerror})") from None
 
 
 def _silence() -> redirect_stdout[io.StringIO]:

@@ -317,3 +317,19 @@ def test_configurations_outside_the_limits_are_refused(viewer):
     with pytest.raises(InputError, match="joint 4"):
         viewer.move([0, 0, 0, 3, 0, 0, 0])
     np.testing.assert_array_equal(viewer.q, viewer.robot.home)
+
+
+def test_a_plan_is_shown_and_played(arm, monkeypatch):
+    """A hit is played to the configuration that was planned, not to another that would do."""
+    robot = arm("iiwa14")
+    planned = hj.plan(robot, [0.5, 0.3, 0.5], [0, 1, 0], 2.0, [6], flux=0.2, certificate=False)
+    viewer = hj.view(planned, robot, port=PORT)
+    try:
+        np.testing.assert_array_equal(viewer.q, planned.best.q)
+        shown = []
+        monkeypatch.setattr(viewer, "move", shown.append)
+        press(viewer, "hit, 10 times slower")
+        result = hj.rollout(planned, robot)
+        np.testing.assert_allclose(shown[0], result.rows["q"][0])
+    finally:
+        viewer.stop()
