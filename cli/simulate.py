@@ -19,6 +19,9 @@ from .start_options import StartOptions
 
 if TYPE_CHECKING:
     from hitjoints.evidence.physics.simulated_hit import Cause, Simulation
+    from hitjoints.hit import Hit
+    from hitjoints.model.robot import Robot
+    from hitjoints.swings.swing_record import Swing
 
 SHOWN = {
     "servo": "{:g} N m s/rad",
@@ -82,6 +85,17 @@ class SettingOptions(OptionGroup):
     stiffness: StiffnessOption = None
     rotor_inertia: RotorOption = None
 
+    @property
+    def edges(self) -> Any:
+        """The box's, (3,) m.
+
+        Raises:
+            InputError: not three numbers.
+        """
+        import numpy as np
+
+        return np.array(triple(self.size, "size"))
+
     def arguments(self) -> dict[str, Any]:
         """Return the arguments of `simulate` for its setting.
 
@@ -121,11 +135,15 @@ def simulate(
     start: StartOptions,
     how: SettingOptions,
     output: MovingOutputs,
+    swing: Annotated[
+        bool, typer.Option("--swing", help="Follow a swing that can be sent, not a rollout.")
+    ] = False,
 ) -> None:
     """Simulate a planned hit in a physics engine (MuJoCo) and compare it with the prediction.
 
-    The arm follows a rollout up to the impact and hits a box, which slides on a table until it
-    stops. An ideal hit must agree; a realistic one shows how far the model is off, and why.
+    The arm follows a rollout or a swing up to the impact and hits a box, which slides on a table
+    until it stops. An ideal hit must agree; a realistic one shows how far the model is off, and
+    why.
     """
     from hitjoints.evidence.physics.simulation import simulate as run
 
@@ -134,7 +152,11 @@ def simulate(
     asked = hit.read(planned, restitution=how.restitution, friction=how.friction)
     arm = robot.load()
     wanted = asked.flux_hit(arm)
-    result = run(arm, wanted, **how.arguments(), **start.arguments(planned, wanted, arm))
+    given = start.arguments(planned, wanted, arm)
+    if swing:
+        result = run(_swing(arm, wanted.changed(size=how.edges), given), **how.arguments())
+    else:
+        result = run(arm, wanted, **how.arguments(), **given)
     _write(result, output.out, output.plot, output.animate)
     if output.as_json:
         said = {"robot": robot.robot, "joint": result.impact.contact.joint, "flux": wanted.flux}
@@ -142,6 +164,20 @@ def simulate(
     else:
         _print(result)
     output.tell(output.animate)
+
+
+def _swing(arm: Robot, hit: Hit, given: dict[str, Any]) -> Swing:
+    """Return the swing to follow.
+
+    Raises:
+        InputError: a start that a swing does not have.
+    """
+    from hitjoints.errors import InputError
+    from hitjoints.swings.make_swing import swing
+
+    if given["start"] is not None:
+        raise InputError("start", "given", "a swing starts in a configuration: give --q0")
+    return swing(arm, hit, q0=given["q0"], q_hit=given["q_hit"], seed=given["seed"])
 
 
 def _write(result: Simulation, out: Path | None, plot: Path | None, animate: Path | None) -> None:

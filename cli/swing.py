@@ -45,9 +45,13 @@ class SwingOptions(OptionGroup):
         ),
     ] = None
     size: Annotated[
-        str,
-        typer.Option("--size", metavar="X,Y,Z", help="Box along the direction, sideways, up (m)."),
-    ] = "0.1,0.1,0.1"
+        str | None,
+        typer.Option(
+            "--size",
+            metavar="X,Y,Z",
+            help="Box along the direction, sideways, up (m). (default: the hit's, or 0.1,0.1,0.1)",
+        ),
+    ] = None
     table_height: Annotated[
         float | None, typer.Option("--table-height", metavar="M", help="Of a table to stay above.")
     ] = None
@@ -77,7 +81,7 @@ class SwingOptions(OptionGroup):
         Raises:
             InputError: a size that no box has.
         """
-        size = triple(self.size, "size")
+        size = wanted.size if self.size is None else triple(self.size, "size")
         if not self.fastest:
             return wanted.changed(size=size)
         return wanted.changed(

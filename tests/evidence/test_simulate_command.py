@@ -157,3 +157,13 @@ def test_without_mujoco_the_install_line_is_told(run, monkeypatch):
     outcome = run("simulate", "--json")
     assert (outcome.code, outcome.out) == (1, "")
     assert outcome.err == "error: mujoco is not installed: pip install 'hitjoints[sim]'\n"
+
+
+def test_it_follows_a_swing(run):
+    found = run("simulate", "--swing", "--json")
+    assert found.code == 0
+    assert found.json["predicted"]["flux"] == pytest.approx(0.3, rel=1e-6)
+    assert abs(found.json["errors"]["object_speed"]) < 2e-3
+    refused = run("simulate", "--swing", "--start", "0.5,0.2,0.5")
+    assert refused.code == 1
+    assert "give --q0" in refused.err
