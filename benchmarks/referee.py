@@ -32,8 +32,8 @@ QUANTITIES = {
 FIRST_JOINT = 4
 LOST = 2e-3
 """Share of the best value known that a plan may miss."""
-NOTHING = 1e-9
-"""A value below this is none: round-off of a hit that cannot be made."""
+NOTHING = 1e-5
+"""A value below this is none: all that rounded angles leave of a direction."""
 SAMPLES, STARTS = 3000, 50
 
 

@@ -111,6 +111,16 @@ def test_the_command(run, tmp_path):
     assert "56 of 63" in run("calibrate", table).words
 
 
+def test_a_hit_takes_what_was_found(tmp_path):
+    found = hj.calibrate(LANDINGS / "object_1.csv")
+    path = tmp_path / "hit.toml"
+    more = "position = [0.5, 0.3, 0.5]\nmass = 0.4\n[wish]\ngoal = [0.5, 0.8, 0.5]\n"
+    path.write_text(f"schema = 1\n{found.toml()}\n{more}")
+    hit = hj.load_hit(path)
+    assert hit.friction == pytest.approx(found.object["friction"], rel=1e-3)
+    assert hit.spread["friction"] == pytest.approx(found.object["spread"]["friction"], rel=1e-3)
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

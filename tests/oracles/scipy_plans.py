@@ -75,6 +75,8 @@ class SciPyPlanner:
 
         v^2 / a + v a / j <= 2 room, of which 98 % are used.
         """
+        assert self.a is not None
+        assert self.j is not None
         room = np.maximum(self.room(q), 0.0)
         most = -0.5 * self.a**2 / self.j + np.sqrt(0.25 * self.a**4 / self.j**2 + 2 * room * self.a)
         low, high = np.maximum(self.qd_lower, -most), np.minimum(self.qd_upper, most)

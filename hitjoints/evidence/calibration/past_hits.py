@@ -111,10 +111,9 @@ class Calibration:
 
     def toml(self) -> str:
         """Return the object's part of a hit's file."""
-        lines = ["[object]"]
-        lines += [f"{k} = {v:.4g}" for k, v in self.object.items() if k != "spread"]
-        lines += ["", "[object.spread]  # standard deviations"]
-        return "\n".join([*lines, *(f"{k} = {v:.4g}" for k, v in self.object["spread"].items())])
+        numbers = [f"{k} = {v:.4g}" for k, v in self.object.items() if k != "spread"]
+        spread = ", ".join(f"{k} = {v:.4g}" for k, v in self.object["spread"].items())
+        return "\n".join(["[object]", *numbers, f"spread = {{ {spread} }}  # standard deviations"])
 
 
 def calibrate(
