@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
+BESIDE = 1e-9
+"""s, as near as that a moment is looked at from both sides."""
+
+
 class Joints(NamedTuple):
     """q, qd, qdd, qddd: (N, n) in rad, rad/s, rad/s^2, rad/s^3."""
 
@@ -157,6 +161,16 @@ class Stroke:
     def duration(self) -> float:
         """How long it takes, s."""
         return self.impact + self.coast + float(self.stop.time.max())
+
+    @property
+    def corners(self) -> Array:
+        """Moments (M,) s just before and after a joint's jerk changes, however short a ramp."""
+        (T, b), (stop, c) = self.wind_up, self.stop
+        done = self.impact + self.coast
+        up, down = (-T, b - T, -b, 0.0 * T), (0.0 * stop, c, stop - c, stop)
+        at = np.concatenate([self.impact + x for x in up] + [done + x for x in down])
+        beside = np.concatenate((at - BESIDE, at + BESIDE, at))
+        return np.asarray(np.clip(beside, 0.0, self.duration))
 
     @property
     def start(self) -> Array:

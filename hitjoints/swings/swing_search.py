@@ -12,7 +12,7 @@ import pinocchio as pin
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.quantities import place_joint
-from hitjoints.swings.curves import Motion, Piece, Rest, Stroke
+from hitjoints.swings.curves import Joints, Motion, Piece, Rest, Stroke
 from hitjoints.swings.hit_samples import Samples, draw, folded, measured, spread_out
 from hitjoints.swings.impact_state import impact_velocity
 from hitjoints.swings.motion_limits import greatest_ratios, torques
@@ -208,6 +208,8 @@ class SwingSearch:
 
     def _whole(self, stroke: Stroke, box: Obstacle | None) -> Swing | str:
         """Return the swing with this stroke, or what is in its way."""
+        if not self._kept(stroke.at(stroke.corners)):
+            return "limits, where a ramp is short"
         way = way_there(
             self.robot,
             self.limits,
@@ -228,6 +230,14 @@ class SwingSearch:
         ended = math.ceil(whole / self.dt - 1e-6) + 1
         motion = Motion([*pieces, Rest(stroke.end, ended * self.dt - whole)])
         return self._checked(motion, sample, box)
+
+    def _kept(self, joints: Joints) -> bool:
+        """Tell whether positions, their derivatives and torques are within limits."""
+        robot, limits = self.robot, self.limits
+        inside = ((joints.q >= robot.lower) & (joints.q <= robot.upper)).all()
+        if not inside or max(greatest_ratios(limits, joints)) > 1.0:
+            return False
+        return bool((np.abs(torques(robot, limits, joints)) <= limits.effort).all())
 
     def _checked(self, motion: Motion, sample: int, box: Obstacle | None) -> Swing | str:
         """Look at a whole motion densely: at every sample and between them."""

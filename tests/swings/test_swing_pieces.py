@@ -112,6 +112,19 @@ def test_a_curved_stroke_strikes_as_told():
     assert not joints.qdd[-1].any()
 
 
+def test_corners_show_what_a_ramp_too_short_for_samples_asks_for():
+    """A joint that hardly moves but bends, and has no room to stop in: its ramp takes 0.1 ms."""
+    v, c = np.array([1.0, 1e-3]), np.array([0.0, 5.0])
+    wide = ramp_of(np.full(2, 0.2), np.full(2, 50.0), np.full(2, 5e3))
+    short = ramp_of(np.array([0.2, 1e-4]), np.array([50.0, 1e6]), np.array([5e3, 1e12]))
+    stroke = Stroke(np.zeros(2), v, c, wide, 0.02, short)
+    seen = np.abs(stroke.at(stroke.corners).qdd).max()
+    most = np.abs(stroke.at(np.linspace(0, stroke.duration, 400_001)).qdd).max()
+    sampled = np.abs(stroke.at(np.arange(0.00025, stroke.duration, 5e-4)).qdd).max()
+    assert seen == pytest.approx(most, rel=0.02)
+    assert sampled < 0.5 * most
+
+
 def test_lines_are_as_fast_as_one_limit_allows(arm):
     robot = arm("panda")
     limits, rng = drive_limits(robot), np.random.default_rng(4)
