@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import singledispatch
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hitjoints.datasets.describe import origin
 from hitjoints.errors import InputError
+from hitjoints.first_argument import by_first_argument
 from hitjoints.hit import Hit, check_flux
 from hitjoints.hit_setting import HitSetting, RobotChoice
 from hitjoints.hitting.drive_limits import drive_limits
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-@singledispatch
+@by_first_argument
 def plan(  # noqa: PLR0913
     robot: Robot,
     position: ArrayLike,

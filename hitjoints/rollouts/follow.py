@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import singledispatch
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -11,6 +10,7 @@ import pinocchio as pin
 
 from hitjoints.dynamics.contact_point import ContactPoint
 from hitjoints.errors import InfeasibleError
+from hitjoints.first_argument import by_first_argument
 from hitjoints.hit import Hit
 from hitjoints.hitting.approach import Approach
 from hitjoints.hitting.controller import Controller, ReferenceName
@@ -34,7 +34,7 @@ LONGEST = 10
 """times as long at most where torque limits slow the arm down as they can."""
 
 
-@singledispatch
+@by_first_argument
 def rollout(  # noqa: PLR0913
     robot: Robot,
     hit: Hit,

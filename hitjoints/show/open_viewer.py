@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import socket
-from functools import singledispatch
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from hitjoints.errors import InputError
+from hitjoints.first_argument import by_first_argument
 from hitjoints.hit import Hit
 from hitjoints.planning.plan_record import Plan
 from hitjoints.show.viewer import Viewer
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from hitjoints.model.robot import Contact, Robot
 
 
-@singledispatch
+@by_first_argument
 def view(  # noqa: PLR0913
     robot: Robot,
     q: ArrayLike | None = None,

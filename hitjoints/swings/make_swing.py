@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from functools import singledispatch
 from typing import TYPE_CHECKING, Any
 
 from hitjoints.errors import InputError
+from hitjoints.first_argument import by_first_argument
 from hitjoints.hitting.drive_limits import drive_limits
 from hitjoints.planning.plan_record import Plan
 from hitjoints.swings.clear_way import Room
@@ -25,7 +25,7 @@ SHORTEST, LONGEST = 1e-4, 0.02
 """s, spacing of samples."""
 
 
-@singledispatch
+@by_first_argument
 def swing(  # noqa: PLR0913
     robot: Robot,
     hit: Hit,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import singledispatch
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from hitjoints.evidence.physics.setting import Mode, Setting, setting
 from hitjoints.evidence.physics.simulated_hit import Cause, Prediction, Simulation
 from hitjoints.evidence.physics.slide import LONGEST, slide
 from hitjoints.evidence.physics.strike import strike
+from hitjoints.first_argument import by_first_argument
 from hitjoints.impact.collision import object_speed, rebound
 from hitjoints.impact.elastic import ElasticImpact, elastic_impact
 from hitjoints.impact.rotor import known_rotors, known_stiffness
@@ -38,7 +38,7 @@ GRAVITY = 9.81
 """m/s^2, of the engine too."""
 
 
-@singledispatch
+@by_first_argument
 def simulate(  # noqa: PLR0913
     robot: Robot | Swing,
     hit: Hit | None = None,
