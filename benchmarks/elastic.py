@@ -11,7 +11,7 @@ import numpy as np
 import hitjoints as hj
 from benchmarks.harness import Figure, seconds
 from hitjoints.evidence.physics.engine_scene import ImpactState
-from hitjoints.evidence.physics.setting import Setting
+from hitjoints.evidence.physics.setting import EngineSetting
 from hitjoints.evidence.physics.strike import strike
 from tests.oracles.random_rollouts import feasible_hits
 from tests.oracles.spring_arms import random_case
@@ -95,7 +95,7 @@ def compare(
     robot, rotors = rotors_of(name)
     for i, (state, eps) in enumerate(hits):
         speed, gain = state.speed(robot), GAIN * (i % 2)
-        how = Setting(
+        how = EngineSetting(
             eps,
             contact_time=contact_time,
             servo_gain=gain,

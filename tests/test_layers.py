@@ -103,7 +103,6 @@ def test_no_two_files_of_one_name():
     assert [name for name, count in counts.items() if count > 1] == []
 
 
-@pytest.mark.xfail(reason="planning: Hit, Found", strict=True)
 def test_no_two_classes_of_one_name():
     names = Counter(
         node.name

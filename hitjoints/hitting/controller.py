@@ -21,7 +21,7 @@ from hitjoints.hitting.braking import Brake, Braked
 from hitjoints.hitting.compiled_step import CompiledStep, compiles
 from hitjoints.hitting.desired import DesiredInertia, Weighting
 from hitjoints.hitting.field import RATE, SIGMA, HittingField
-from hitjoints.hitting.laws import LawName, Motion, law_named
+from hitjoints.hitting.laws import LawMotion, LawName, law_named
 from hitjoints.hitting.manipulability_posture import most_manipulable
 from hitjoints.hitting.step import SLOWED, STABLE, Gains, Step
 from hitjoints.hitting.step_tape import Setting
@@ -218,7 +218,7 @@ class Controller:
         braked, safe = motion is None or not self._can_stop(q, motion.qd), True
         if motion is None or braked:
             qd_slower, safe = self.slower(q, now)
-            motion = Motion(qd_slower, 0.0)
+            motion = LawMotion(qd_slower, 0.0)
         self._previous = motion.qd
         along = float(pull @ motion.qd)
         self.last = Step(

@@ -24,7 +24,7 @@ FASTEST_ASTRAY = 100.0
 """m/s, a bound of that which is never met."""
 
 
-class Motion(NamedTuple):
+class LawMotion(NamedTuple):
     """A joint velocity (n,) rad/s within its bounds, and s in [0, 1]: J qd = s f.
 
     With torque limits J qd = s f + e, e as small as they let it be.
@@ -34,7 +34,7 @@ class Motion(NamedTuple):
     scaling: float
 
 
-class Law(Protocol):
+class VelocityLaw(Protocol):
     """Chooses the joint velocity of a step."""
 
     def __call__(
@@ -45,7 +45,7 @@ class Law(Protocol):
         lower: Array,
         upper: Array,
         impulses: Impulses | None = None,
-    ) -> Motion | None:
+    ) -> LawMotion | None:
         """Return the motion, or None if there is no certified one.
 
         Args:
@@ -56,7 +56,7 @@ class Law(Protocol):
         ...
 
 
-def law_named(name: LawName, n: int) -> Law:
+def law_named(name: LawName, n: int) -> VelocityLaw:
     """Return a law for an arm of n joints.
 
     Raises:
@@ -87,8 +87,8 @@ class QpLaw:
         lower: Array,
         upper: Array,
         impulses: Impulses | None = None,
-    ) -> Motion | None:
-        """Return the motion; see `Law`."""
+    ) -> LawMotion | None:
+        """Return the motion; see `VelocityLaw`."""
         qd, pushed = _unbounded(J, f, posture)
         miss = J @ qd - f
         if (
@@ -97,7 +97,7 @@ class QpLaw:
             and float(miss @ miss) <= ROWS * ROWS
             and (impulses is None or impulses.allow(qd))
         ):
-            return Motion(qd, 1.0)
+            return LawMotion(qd, 1.0)
         n, unit = posture.size, 1.0
         if impulses is None:
             terms, low, high, unit = following(J, f, posture, lower, upper)
@@ -108,7 +108,7 @@ class QpLaw:
             low = np.concatenate((lower, [0.0], -self._slack, -impulses.limit))
             high = np.concatenate((upper, [1.0], self._slack, impulses.limit))
             x = self._limited.solve(*terms, low, high)
-        return None if x is None else Motion(x[:n], unit * float(x[n]))
+        return None if x is None else LawMotion(x[:n], unit * float(x[n]))
 
 
 def paper_law(
@@ -118,8 +118,8 @@ def paper_law(
     lower: Array,
     upper: Array,
     impulses: Impulses | None = None,
-) -> Motion:
-    """Return Eq. 7 as printed, all joints scaled by one factor into the bounds; see `Law`.
+) -> LawMotion:
+    """Return Eq. 7 as printed, all joints scaled by one factor into the bounds; see `VelocityLaw`.
 
     It knows no torques: no scaling of it is sure to have any within the limits.
     """
@@ -128,7 +128,7 @@ def paper_law(
     limit = np.where(qd > 0, upper, lower)
     moving = qd != 0
     scaling = float(np.min(limit[moving] / qd[moving], initial=1.0))
-    return Motion(np.minimum(np.maximum(scaling * qd, lower), upper), scaling)
+    return LawMotion(np.minimum(np.maximum(scaling * qd, lower), upper), scaling)
 
 
 def _unbounded(J: Array, f: Array, posture: Array) -> tuple[Array, Array]:

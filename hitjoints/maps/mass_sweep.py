@@ -26,7 +26,7 @@ MOST_STEPS = 60
 MOST_MASSES = 1000
 
 
-class Crossing(NamedTuple):
+class MassCrossing(NamedTuple):
     """From this mass (kg) on joint `after` is the best, until there joint `before`."""
 
     mass: float
@@ -93,7 +93,7 @@ def sweep_mass(
     return _assemble(planned, samples, values, crossings)
 
 
-def crossings_between(best: Best, low: float, high: float) -> list[Crossing]:
+def crossings_between(best: Best, low: float, high: float) -> list[MassCrossing]:
     """Return where the best joint changes between two masses.
 
     Args:
@@ -109,7 +109,7 @@ def crossings_between(best: Best, low: float, high: float) -> list[Crossing]:
     third = _winner(best(mass))
     margin = best(mass)[third] - best(mass)[before]
     if third in (before, after) or margin <= EXACT * best(mass)[third]:
-        return [Crossing(mass, before, after)]
+        return [MassCrossing(mass, before, after)]
     return [*crossings_between(best, low, mass), *crossings_between(best, mass, high)]
 
 
@@ -190,7 +190,7 @@ def _assemble(
     planned: _Planned,
     masses: Any,
     values: list[dict[int, float]],
-    crossings: list[Crossing],
+    crossings: list[MassCrossing],
 ) -> Dataset:
     import xarray as xr
 
@@ -212,7 +212,7 @@ def _assemble(
     if crossings:
         variables |= {
             f"crossing_{name}": ("crossing", [getattr(one, name) for one in crossings])
-            for name in Crossing._fields
+            for name in MassCrossing._fields
         }
     dataset = xr.Dataset(
         variables, coords={"joint": joints, "mass": masses, "axis": np.arange(1, n + 1)}

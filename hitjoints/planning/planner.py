@@ -176,7 +176,7 @@ def _setting(robot: Robot, contacts: Sequence[Contact] | None, around: Surroundi
 
 
 @plan.register(Hit)
-def plan_hit(  # type: ignore[misc]  # its first argument is another than that of plan
+def plan_hit(
     hit: Hit, robot: Robot | None = None, certificate: bool = True, drives: Drives | None = None
 ) -> Plan:
     """Choose the joint and the configuration for a hit that says all the rest itself.

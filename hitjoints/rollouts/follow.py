@@ -125,9 +125,7 @@ def rollout(  # noqa: PLR0913
 
 
 @rollout.register(Plan)
-def _rollout_plan(  # type: ignore[misc]  # its first argument is another than that of rollout
-    plan: Plan, robot: Robot | None = None, **options: Any
-) -> Rollout:
+def _rollout_plan(plan: Plan, robot: Robot | None = None, **options: Any) -> Rollout:
     """Carry out a plan: its hit, in its configuration.
 
     Args:

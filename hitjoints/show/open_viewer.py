@@ -64,7 +64,7 @@ def view(  # noqa: PLR0913
 
 
 @view.register(Plan)
-def _view_plan(  # type: ignore[misc]  # its first argument is another than that of view
+def _view_plan(
     planned: Plan, robot: Robot | None = None, *, host: str = "127.0.0.1", port: int = 8080
 ) -> Viewer:
     """Show a plan: its hit, in its configuration, which a hit is played to.

@@ -48,7 +48,7 @@ class Piece(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Rest:
+class Standing:
     """Standing still.
 
     Attributes:

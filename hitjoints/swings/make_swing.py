@@ -73,9 +73,7 @@ def swing(  # noqa: PLR0913
 
 
 @swing.register(Plan)
-def _swing_plan(  # type: ignore[misc]  # its first argument is another than that of swing
-    plan: Plan, robot: Robot | None = None, **options: Any
-) -> Swing:
+def _swing_plan(plan: Plan, robot: Robot | None = None, **options: Any) -> Swing:
     """Carry out a plan: its hit, in its configuration.
 
     Args:

@@ -44,7 +44,7 @@ USED = 0.97
 """Share of the torque limits used: there are moments between those looked at."""
 
 
-class Strike(NamedTuple):
+class FoundStroke(NamedTuple):
     """A configuration and its joint velocity at the impact.
 
     Attributes:
@@ -72,7 +72,7 @@ class StrokeSearch:
         self._across = np.linalg.svd(hit.direction[None, :])[2][1:]
         self._seen = kernel_for(robot, (self._contact,), ("position", "jacobian"))
 
-    def strokes(self, strike: Strike, box: Obstacle | None) -> Iterator[tuple[Stroke, str]]:
+    def strokes(self, strike: FoundStroke, box: Obstacle | None) -> Iterator[tuple[Stroke, str]]:
         """Yield strokes, straight ones first, each with what is in its way: nothing, or a word."""
         coast = COAST / strike.speed
         for curves in (self._bent, self._lines, self._through_the_line):
@@ -84,7 +84,7 @@ class StrokeSearch:
                 blocked = reason or self._wind_up_clear(stroke, box)
                 yield (stroke, blocked) if blocked else self._stopped(stroke, strike)
 
-    def _bent(self, strike: Strike) -> Iterator[tuple[Array, Ramp]]:
+    def _bent(self, strike: FoundStroke) -> Iterator[tuple[Array, Ramp]]:
         """Yield parabolas whose contact's path curves sideways at the impact as little as can be.
 
         Joints at their velocity limits cannot come from a higher velocity, and none can bend more
@@ -104,12 +104,12 @@ class StrokeSearch:
         yield from ((bent, wind_up) for wind_up in self._wind_ups(strike, individual=False))
         yield from ((bent, wind_up) for wind_up in self._wind_ups(strike, individual=True))
 
-    def _lines(self, strike: Strike) -> Iterator[tuple[Array, Ramp]]:
+    def _lines(self, strike: FoundStroke) -> Iterator[tuple[Array, Ramp]]:
         """Yield lines, each joint winding up as long as its room allows."""
         line = np.zeros_like(strike.q)
         return ((line, wind_up) for wind_up in self._wind_ups(strike, individual=True))
 
-    def _through_the_line(self, strike: Strike) -> Iterator[tuple[Array, Ramp]]:
+    def _through_the_line(self, strike: FoundStroke) -> Iterator[tuple[Array, Ramp]]:
         """Yield parabolas that begin where the contact would be if it came all the way straight."""
         ramps = self._wind_ups(strike, individual=False)
         s = np.array([0.5 * ramp.time[0] for ramp in ramps])[:, None]
@@ -117,7 +117,7 @@ class StrokeSearch:
         begun = place_joint(self._robot, self._contact, behind, start=strike.q).q
         return zip(2.0 * (begun - strike.q + strike.qd * s) / s**2, ramps, strict=True)
 
-    def _wind_ups(self, strike: Strike, *, individual: bool) -> list[Ramp]:
+    def _wind_ups(self, strike: FoundStroke, *, individual: bool) -> list[Ramp]:
         size = np.maximum(np.abs(strike.qd), 1e-9)
         a, j = self._limits.acceleration_used / size, self._limits.jerk_used / size
         least = least_time(a, j)
@@ -134,7 +134,7 @@ class StrokeSearch:
             if float(least.max()) <= T <= longest
         ]
 
-    def _approaches(self, tried: list[Stroke], strike: Strike) -> Iterator[str]:
+    def _approaches(self, tried: list[Stroke], strike: FoundStroke) -> Iterator[str]:
         """Yield what is in the way of each wind-up: limits, path, torques."""
         if not tried:
             return
@@ -203,7 +203,7 @@ class StrokeSearch:
             return "collision"
         return ""
 
-    def _stopped(self, stroke: Stroke, strike: Strike) -> tuple[Stroke, str]:
+    def _stopped(self, stroke: Stroke, strike: FoundStroke) -> tuple[Stroke, str]:
         """Return the stroke with the fastest stop that fits."""
         robot, size = self._robot, np.maximum(np.abs(strike.qd), 1e-9)
         a, j = self._limits.acceleration_used / size, self._limits.jerk_used / size

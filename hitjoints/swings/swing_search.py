@@ -12,11 +12,11 @@ import pinocchio as pin
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.quantities import place_joint
-from hitjoints.swings.curves import Joints, Motion, Piece, Rest, Stroke
+from hitjoints.swings.curves import Joints, Motion, Piece, Standing, Stroke
 from hitjoints.swings.hit_samples import Samples, draw, folded, measured, spread_out
 from hitjoints.swings.impact_state import impact_velocity
 from hitjoints.swings.motion_limits import greatest_ratios, torques
-from hitjoints.swings.stroke_search import RUN_UP, Strike, StrokeSearch
+from hitjoints.swings.stroke_search import RUN_UP, FoundStroke, StrokeSearch
 from hitjoints.swings.swing_record import Swing
 from hitjoints.swings.way_there import way_there
 
@@ -196,7 +196,7 @@ class SwingSearch:
         if qd is None:
             self.reasons["no certified velocity"] += 1
             return None
-        strike = Strike(samples.q[row], qd, J, speed)
+        strike = FoundStroke(samples.q[row], qd, J, speed)
         for stroke, reason in self.search.strokes(strike, box):
             whole = reason or self._whole(stroke, box)
             if not isinstance(whole, str):
@@ -224,11 +224,11 @@ class SwingSearch:
         before = sum(line.duration for line in way) + stroke.impact
         sample = math.ceil(before / self.dt - 1e-6)
         # The arm waits at first, so that the impact falls on a sample.
-        waiting = Rest(self.start, max(sample * self.dt - before, 0.0))
+        waiting = Standing(self.start, max(sample * self.dt - before, 0.0))
         pieces: list[Piece] = [waiting, *way, stroke]
         whole = sum(piece.duration for piece in pieces)
         ended = math.ceil(whole / self.dt - 1e-6) + 1
-        motion = Motion([*pieces, Rest(stroke.end, ended * self.dt - whole)])
+        motion = Motion([*pieces, Standing(stroke.end, ended * self.dt - whole)])
         return self._checked(motion, sample, box)
 
     def _kept(self, joints: Joints) -> bool:

@@ -8,8 +8,8 @@ import pytest
 from scipy import stats
 
 import hitjoints as hj
-from hitjoints.evidence.calibration.landing_law import Law, student
-from hitjoints.evidence.calibration.landing_rows import Landing
+from hitjoints.evidence.calibration.landing_law import LandingLaw, student
+from hitjoints.evidence.calibration.landing_rows import PastLanding
 
 LANDINGS = Path(__file__).parent.parent / "data" / "landing"
 HEADER = "arm,flux,distance,hit_x,start_x,yaw_qz\n"
@@ -21,12 +21,12 @@ def made(random, count, scatter, arm="7"):
     log = -0.7 + 2.3 * np.log(flux / 0.7) + 5 * offset - 2 * yaw + 3 * yaw * np.log(flux / 0.7)
     distance = np.exp(log + random.normal(0, scatter, count))
     columns = (flux, distance, offset, yaw)
-    return [Landing(arm, *map(float, row)) for row in zip(*columns, strict=True)]
+    return [PastLanding(arm, *map(float, row)) for row in zip(*columns, strict=True)]
 
 
 def test_a_law_without_scatter_is_found_again():
     rows = made(np.random.default_rng(0), 40, 0.0)
-    law = Law(rows[:30])
+    law = LandingLaw(rows[:30])
     for row in rows[30:]:
         assert law.foresee(row).distance == pytest.approx(row.distance, rel=1e-9)
     assert law.scatter == pytest.approx(0.0, abs=1e-9)
@@ -37,7 +37,7 @@ def test_nine_in_ten_land_in_the_interval():
     held = []
     for _ in range(40):
         rows = made(random, 30, 0.15) + made(random, 25, 0.15, "14")
-        law = Law(rows)
+        law = LandingLaw(rows)
         new = made(random, 10, 0.15) + made(random, 10, 0.15, "14")
         for row in new:
             told = law.foresee(row)
@@ -51,8 +51,8 @@ def test_students_quantile(freedom):
 
 
 def test_few_rows_have_the_plain_law():
-    rows = [Landing("7", flux, 0.5 * flux**2) for flux in (0.4, 0.6, 0.8)]
-    told = Law(rows).foresee(Landing("7", 1.0, np.nan))
+    rows = [PastLanding("7", flux, 0.5 * flux**2) for flux in (0.4, 0.6, 0.8)]
+    told = LandingLaw(rows).foresee(PastLanding("7", 1.0, np.nan))
     assert told.distance == pytest.approx(0.5, rel=1e-12)
 
 
@@ -66,7 +66,7 @@ def test_real_landings_on_rows_not_used():
     # The row itself must not be used: another distance of its own changes nothing.
     row, told = found.foreseen[7]
     others = [one for one in found.landings if one is not row]
-    assert Law(others).foresee(row._replace(distance=9.0)) == told
+    assert LandingLaw(others).foresee(row._replace(distance=9.0)) == told
 
 
 def test_yaw_turns_real_boxes_more_than_a_law_without_friction_would():

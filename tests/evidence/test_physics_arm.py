@@ -10,7 +10,7 @@ import pytest
 from hitjoints.errors import MissingExtraError, ModelError
 from hitjoints.evidence.physics.engine_arm import arm_spec, link_name
 from hitjoints.evidence.physics.engine_scene import ImpactState, build_scene
-from hitjoints.evidence.physics.setting import Setting
+from hitjoints.evidence.physics.setting import EngineSetting
 from hitjoints.loading.load import load_robot
 from hitjoints.model.robot import Contact
 
@@ -84,4 +84,4 @@ def test_inertia_that_no_body_has_is_refused_in_a_line(urdf):
     robot = urdf.load(flat)
     impact = ImpactState(Contact(2), np.eye(3)[1], 1.0, np.zeros(2), np.zeros(2), np.zeros(3))
     with pytest.raises(ModelError, match=r"engine refuses it .inertia must satisfy A . B >= C"):
-        build_scene(robot, impact, Setting())
+        build_scene(robot, impact, EngineSetting())

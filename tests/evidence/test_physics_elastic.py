@@ -8,7 +8,7 @@ import pytest
 import hitjoints as hj
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.evidence.physics.engine_scene import ImpactState, build_scene
-from hitjoints.evidence.physics.setting import Setting
+from hitjoints.evidence.physics.setting import EngineSetting
 from hitjoints.evidence.physics.strike import strike
 
 K = 1e4
@@ -24,7 +24,7 @@ def state_of(robot, joint, seed, speed=0.5, mass=1.0):
 
 
 def elastic(robot, time, gain=0.0, eps=0.6):
-    return Setting(
+    return EngineSetting(
         eps,
         contact_time=time,
         servo_gain=gain,
@@ -108,9 +108,11 @@ def test_a_servo_is_felt_through_the_contact(arm):
     # A contact that holds the two bodies to their own motion would not yield to it.
     robot = arm("iiwa14")
     state = state_of(robot, 7, 2)
-    how = Setting(0.5, contact_time=0.01, servo_gain=1e3)
+    how = EngineSetting(0.5, contact_time=0.01, servo_gain=1e3)
     held = strike(robot, state, how, lambda _: state.qd).object_speed
-    free = strike(robot, state, Setting(0.5, contact_time=0.01), lambda _: state.qd).object_speed
+    free = strike(
+        robot, state, EngineSetting(0.5, contact_time=0.01), lambda _: state.qd
+    ).object_speed
     # Stiff servos at links without rotors: as the closed form has them.
     told = hj.elastic_impact(
         robot, state.q, state.contact, state.direction, 1.0, 0.5, 0.5, 0.01,

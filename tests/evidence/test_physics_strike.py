@@ -10,7 +10,7 @@ import pytest
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InputError, SolverError
 from hitjoints.evidence.physics.engine_scene import ImpactState, build_scene
-from hitjoints.evidence.physics.setting import Setting, setting
+from hitjoints.evidence.physics.setting import EngineSetting, setting
 from hitjoints.evidence.physics.simulation import simulate
 from hitjoints.evidence.physics.slide import slide
 from hitjoints.evidence.physics.strike import strike
@@ -54,7 +54,7 @@ def test_the_rigid_impact_of_pinocchio(arm, name, restitution):
     robot = arm(name)
     for joint in (5, 6, 7):
         impact = impact_of(robot, joint, seed=joint)
-        found = free(robot, impact, Setting(restitution))
+        found = free(robot, impact, EngineSetting(restitution))
         after, thrown = rigid(robot, impact, restitution)
         assert found.object_speed == pytest.approx(thrown, rel=2e-3)
         assert found.rebound == pytest.approx(after - 0.8, rel=5e-3)
@@ -69,7 +69,7 @@ def test_a_shorter_contact_is_nearer_to_the_rigid_impact(arm):
     after, thrown = rigid(robot, impact, 0.5)
     inertia = -MASS * thrown / (after - 0.8)
     off = [
-        abs(free(robot, impact, Setting(contact_time=time)).inertia / inertia - 1)
+        abs(free(robot, impact, EngineSetting(contact_time=time)).inertia / inertia - 1)
         for time in (8e-3, 2e-3, 5e-4)
     ]
     assert off[0] > 2 * off[1] > 4 * off[2]
@@ -79,7 +79,7 @@ def test_a_shorter_contact_is_nearer_to_the_rigid_impact(arm):
 def test_momentum_and_energy_of_the_contact(arm, restitution):
     robot = arm("iiwa14")
     impact = impact_of(robot)
-    found = free(robot, impact, Setting(restitution))
+    found = free(robot, impact, EngineSetting(restitution))
     # The engine applies the force of a row until the next one.
     force = found.rows["force"][:-1] * np.diff(found.rows["time"])
     assert force.sum() == pytest.approx(MASS * found.object_speed, rel=1e-6)
@@ -97,7 +97,7 @@ def test_an_eccentric_hit_moves_less_of_the_box(arm, off):
     robot, size = arm("iiwa14"), (0.1, 0.2, 0.1)
     impact = impact_of(robot)
     central, aside = (
-        free(robot, impact, Setting(0.5, size, off_centre=value)) for value in (0.0, off)
+        free(robot, impact, EngineSetting(0.5, size, off_centre=value)) for value in (0.0, off)
     )
     felt = MASS / (1 + off**2 / ((size[0] ** 2 + size[1] ** 2) / 12))
     inertia = central.inertia
@@ -111,7 +111,7 @@ def test_any_direction_and_the_point_behind_the_contact(arm):
     robot = arm("iiwa14")
     for h in ((0.0, 0.0, -1.0), (0.6, 0.0, 0.8)):
         impact = impact_of(robot, h=h)
-        found = free(robot, impact, Setting(0.5))
+        found = free(robot, impact, EngineSetting(0.5))
         assert found.object_speed == pytest.approx(rigid(robot, impact, 0.5)[1], rel=2e-3)
         np.testing.assert_allclose(impact.axes.T @ impact.axes, np.eye(3), atol=1e-12)
         assert np.linalg.det(impact.axes) == pytest.approx(1)
@@ -120,14 +120,14 @@ def test_any_direction_and_the_point_behind_the_contact(arm):
 def test_a_servo_makes_the_arm_heavier(arm):
     robot = arm("iiwa14")
     impact = impact_of(robot)
-    how = Setting(contact_time=0.01)
+    how = EngineSetting(contact_time=0.01)
     gains = [free(robot, impact, replace(how, servo_gain=gain)).inertia for gain in (0, 20, 100)]
     assert gains[0] < gains[1] < gains[2]
 
 
 def test_a_servo_is_as_strong_as_its_motor(arm):
     robot = arm("iiwa14")
-    model, data = build_scene(robot, impact_of(robot), Setting(servo_gain=1000.0))
+    model, data = build_scene(robot, impact_of(robot), EngineSetting(servo_gain=1000.0))
     data.ctrl[:] = 100.0
     mujoco.mj_forward(model, data)
     np.testing.assert_allclose(data.qfrc_actuator[: robot.n], robot.effort)
@@ -140,14 +140,14 @@ def test_friction_drags_the_box_along_sideways(arm):
     jac = jacobian(robot, impact.q, impact.contact)
     wanted = impact.axes @ np.array([0.8, 1.5, 0.0])
     impact = replace(impact, qd=np.linalg.lstsq(jac, wanted)[0])
-    found = free(robot, impact, Setting(0.5, contact_friction=friction))
+    found = free(robot, impact, EngineSetting(0.5, contact_friction=friction))
     forward, sideways, _ = impact.axes.T @ found.box[1][:3]
     assert sideways / forward == pytest.approx(friction, rel=0.02)
 
 
 def test_the_table_takes_its_part_of_the_impulse(arm):
     robot, time, friction = arm("iiwa14"), 0.02, 0.5
-    how = Setting(friction=friction, contact_time=time, on_table=True)
+    how = EngineSetting(friction=friction, contact_time=time, on_table=True)
     found = free(robot, impact_of(robot), how)
     impulse = found.rows["force"][:-1] @ np.diff(found.rows["time"])
     lost = friction * MASS * 9.81 * found.contact_time
@@ -157,7 +157,7 @@ def test_the_table_takes_its_part_of_the_impulse(arm):
 @pytest.mark.parametrize(("speed", "friction"), [(0.3, 0.3), (1.0, 0.2), (1.7, 0.6), (2.5, 0.4)])
 def test_a_sliding_box_stops_where_friction_stops_it(arm, speed, friction):
     impact = impact_of(arm("iiwa14"), h=(0.6, 0.8, 0.0))
-    how = Setting(friction=friction)
+    how = EngineSetting(friction=friction)
     quaternion = pin.Quaternion(impact.axes).coeffs()[[3, 0, 1, 2]]
     pose = np.concatenate((impact.box_centre(how), quaternion))
     found = slide(impact, how, pose, np.concatenate((speed * impact.direction, np.zeros(3))))
@@ -166,7 +166,7 @@ def test_a_sliding_box_stops_where_friction_stops_it(arm, speed, friction):
 
 
 def test_what_a_mode_sets_and_what_is_asked_for_instead():
-    assert setting("ideal") == Setting()
+    assert setting("ideal") == EngineSetting()
     assert setting("ideal").causes() == []
     realistic = setting("realistic", servo_gain=0.0)
     assert realistic.contact_time == 0.01
@@ -175,8 +175,8 @@ def test_what_a_mode_sets_and_what_is_asked_for_instead():
     ]  # fmt: skip
     name, value, alone, without = realistic.causes()[0]
     assert (name, value) == ("contact time", 0.01)
-    assert alone == Setting(contact_time=0.01)
-    assert without == replace(realistic, contact_time=Setting().contact_time)
+    assert alone == EngineSetting(contact_time=0.01)
+    assert without == replace(realistic, contact_time=EngineSetting().contact_time)
 
 
 @pytest.mark.parametrize(

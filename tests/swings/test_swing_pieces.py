@@ -13,7 +13,7 @@ from hitjoints.errors import InputError
 from hitjoints.hitting.drive_limits import SHAPING, drive_limits
 from hitjoints.hitting.velocity_box import velocity_box
 from hitjoints.swings.clear_way import Room
-from hitjoints.swings.curves import Motion, Rest, Stroke, line_between
+from hitjoints.swings.curves import Motion, Standing, Stroke, line_between
 from hitjoints.swings.hit_samples import draw, folded, measured
 from hitjoints.swings.impact_state import impact_velocity, straightening
 from hitjoints.swings.ramps import least_time, ramp_of
@@ -148,7 +148,7 @@ def test_a_motion_is_its_pieces_in_turn(arm):
     robot = arm("iiwa14")
     limits, home = drive_limits(robot), robot.home
     there = home + 0.3
-    pieces = [Rest(home, 0.1), line_between(home, there, limits), Rest(there, 0.2)]
+    pieces = [Standing(home, 0.1), line_between(home, there, limits), Standing(there, 0.2)]
     motion = Motion(pieces)
     times = np.random.default_rng(0).permutation(np.linspace(0, motion.duration, 300))
     joints = motion.at(times)

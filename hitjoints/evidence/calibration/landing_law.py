@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from hitjoints.evidence.calibration.landing_rows import Landing
+from hitjoints.evidence.calibration.landing_rows import PastLanding
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -33,7 +33,7 @@ TURNED = 0.5
 """rad, of the median yaw: more is a frame that is turned, not boxes that are."""
 
 
-class Interval(NamedTuple):
+class LandingInterval(NamedTuple):
     """A landing foreseen: distances in m, the middle one and where 9 in 10 lie between."""
 
     distance: float
@@ -64,19 +64,19 @@ class ArmLaw:
     squares: float
     heading: tuple[Array, float] | None
 
-    def of(self, rows: Sequence[Landing]) -> tuple[Array, Array]:
+    def of(self, rows: Sequence[PastLanding]) -> tuple[Array, Array]:
         """Return what a row's log distance has without coefficients (N,), and its terms (N, T)."""
         return _terms(self.names, self.middle, rows)
 
 
-class Law:
+class LandingLaw:
     """The laws of all arms in some landings, with one scatter.
 
     Args:
         rows: with flux and distance.
     """
 
-    def __init__(self, rows: Sequence[Landing]) -> None:
+    def __init__(self, rows: Sequence[PastLanding]) -> None:
         self.names = usable_terms(rows)
         self.arms = {
             arm: _fit([row for row in rows if row.arm == arm], self.names)
@@ -86,14 +86,14 @@ class Law:
         squares = sum(law.squares for law in self.arms.values())
         self.scatter = math.sqrt(squares / self.freedom) if self.freedom > 0 else math.nan
 
-    def foresee(self, row: Landing) -> Interval:
+    def foresee(self, row: PastLanding) -> LandingInterval:
         """Return how far a box goes that is hit like this; its own distance is not looked at."""
         law = self.arms[row.arm]
         (known,), (terms,) = law.of([row])
         middle = float(known + terms @ law.coefficients)
         doubt = self.scatter * math.sqrt(1.0 + float(terms @ law.spread @ terms))
         half = student(self.freedom) * doubt
-        return Interval(math.exp(middle), math.exp(middle - half), math.exp(middle + half))
+        return LandingInterval(math.exp(middle), math.exp(middle - half), math.exp(middle + half))
 
 
 def student(freedom: int) -> float:
@@ -103,7 +103,7 @@ def student(freedom: int) -> float:
     return z + (z**3 + z) / (4 * n) + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * n**2) + third
 
 
-def usable_terms(rows: Sequence[Landing]) -> tuple[str, ...]:
+def usable_terms(rows: Sequence[PastLanding]) -> tuple[str, ...]:
     """Return the terms that landings can tell: those known in all of them, of boxes that face."""
     names = ["one", "flux"]
     if not any(math.isnan(row.offset) for row in rows):
@@ -114,7 +114,7 @@ def usable_terms(rows: Sequence[Landing]) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _fit(rows: Sequence[Landing], names: tuple[str, ...]) -> ArmLaw:
+def _fit(rows: Sequence[PastLanding], names: tuple[str, ...]) -> ArmLaw:
     middle = math.exp(float(np.mean([math.log(row.flux) for row in rows])))
     if len(rows) < ROWS_PER_TERM * len(names):
         names = PLAIN
@@ -129,7 +129,9 @@ def _fit(rows: Sequence[Landing], names: tuple[str, ...]) -> ArmLaw:
     )
 
 
-def _terms(names: tuple[str, ...], middle: float, rows: Sequence[Landing]) -> tuple[Array, Array]:
+def _terms(
+    names: tuple[str, ...], middle: float, rows: Sequence[PastLanding]
+) -> tuple[Array, Array]:
     """Return what is known of log distance beforehand (N,), and the terms (N, T)."""
     flux = np.log([row.flux / middle for row in rows])
     offset, yaw = np.array([row.offset for row in rows]), np.array([row.yaw for row in rows])
@@ -144,7 +146,7 @@ def _terms(names: tuple[str, ...], middle: float, rows: Sequence[Landing]) -> tu
     return known, np.column_stack([columns[name] for name in names])
 
 
-def _heading(rows: Sequence[Landing], names: tuple[str, ...]) -> tuple[Array, float] | None:
+def _heading(rows: Sequence[PastLanding], names: tuple[str, ...]) -> tuple[Array, float] | None:
     """Return the way's direction by offset and yaw, and what is left of it (rad)."""
     target = np.array([row.heading for row in rows])
     if "yaw" not in names or "offset" not in names or np.isnan(target).any():

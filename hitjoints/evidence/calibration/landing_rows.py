@@ -18,7 +18,7 @@ LEAST_DISTANCE = 0.01
 """m: a box that goes no further was not hit."""
 
 
-class Landing(NamedTuple):
+class PastLanding(NamedTuple):
     """One hit and where the box stopped; nan is not known.
 
     Attributes:
@@ -45,7 +45,7 @@ class Landing(NamedTuple):
 class Landings(NamedTuple):
     """Landings, and what was left out of the files."""
 
-    rows: tuple[Landing, ...]
+    rows: tuple[PastLanding, ...]
     notes: tuple[str, ...]
 
 
@@ -82,7 +82,7 @@ def read_table(path: Path) -> Landings:
     return Landings(tuple(rows), tuple(notes))
 
 
-def _landing(path: Path, line: int, row: dict[str, str | None]) -> Landing:
+def _landing(path: Path, line: int, row: dict[str, str | None]) -> PastLanding:
     def number(name: str) -> float:
         text = row.get(name)
         if text is None or not text.strip():
@@ -101,7 +101,7 @@ def _landing(path: Path, line: int, row: dict[str, str | None]) -> Landing:
     yaw = 2.0 * math.asin(half) if abs(half) <= 1 else math.nan
     across = number("end_x") - number("start_x")
     along = abs(number("end_y") - number("start_y"))
-    return Landing(
+    return PastLanding(
         (row.get("arm") or "").strip() or "arm",
         number("flux"),
         number("distance"),
@@ -118,7 +118,7 @@ def from_recordings(hits: Iterable[ReplayedHit]) -> Landings:
         known = hit.flux is not None and hit.travel is not None and hit.came_to_rest
         if hit.ok and (known or hit.restitution is not None):
             rows.append(
-                Landing(
+                PastLanding(
                     hit.robot or "arm",
                     _or_nan(hit.flux),
                     _or_nan(hit.travel) if known else math.nan,
@@ -148,7 +148,7 @@ def read(paths: Iterable[str | Path]) -> Landings:
     """
     from hitjoints.evidence.recordings.replayer import replay
 
-    rows: list[Landing] = []
+    rows: list[PastLanding] = []
     notes: list[str] = []
     recordings = []
     for path in map(Path, paths):

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from hitjoints.errors import InputError
-from hitjoints.evidence.calibration.landing_law import LEVEL, Interval, Law
-from hitjoints.evidence.calibration.landing_rows import Landing, read
+from hitjoints.evidence.calibration.landing_law import LEVEL, LandingInterval, LandingLaw
+from hitjoints.evidence.calibration.landing_rows import PastLanding, read
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -57,10 +57,10 @@ class Calibration:
         law: of the landings; None where no box was followed to its rest.
     """
 
-    landings: tuple[Landing, ...] = field(repr=False)
+    landings: tuple[PastLanding, ...] = field(repr=False)
     notes: tuple[str, ...]
     object: dict[str, Any]
-    law: Law | None = field(repr=False)
+    law: LandingLaw | None = field(repr=False)
 
     @property
     def rows(self) -> int:
@@ -68,14 +68,14 @@ class Calibration:
         return len(self.landings)
 
     @cached_property
-    def foreseen(self) -> tuple[tuple[Landing, Interval], ...]:
+    def foreseen(self) -> tuple[tuple[PastLanding, LandingInterval], ...]:
         """Each landing whose arm has enough of them, foreseen from all the others."""
         followed = _followed(self.landings)
         counts = {row.arm: sum(one.arm == row.arm for one in followed) for row in followed}
         found = []
         for i, row in enumerate(followed):
             if counts[row.arm] >= LEAST_ROWS:
-                found.append((row, Law(followed[:i] + followed[i + 1 :]).foresee(row)))
+                found.append((row, LandingLaw(followed[:i] + followed[i + 1 :]).foresee(row)))
         return tuple(found)
 
     @cached_property
@@ -137,17 +137,17 @@ def calibrate(
     landings = read([files] if isinstance(files, (str, Path)) else files)
     notes = list(landings.notes)
     followed = _followed(landings.rows)
-    law = Law(followed) if followed else None
+    law = LandingLaw(followed) if followed else None
     found = _object(landings.rows, law, restitution, notes)
     return Calibration(landings.rows, tuple(notes), found, law)
 
 
-def _followed(rows: Sequence[Landing]) -> tuple[Landing, ...]:
+def _followed(rows: Sequence[PastLanding]) -> tuple[PastLanding, ...]:
     return tuple(row for row in rows if not math.isnan(row.flux + row.distance))
 
 
 def _object(
-    rows: Sequence[Landing], law: Law | None, restitution: float | None, notes: list[str]
+    rows: Sequence[PastLanding], law: LandingLaw | None, restitution: float | None, notes: list[str]
 ) -> dict[str, Any]:
     """Return restitution and friction with their spread: measured, or as landings tell them."""
     bounced = np.array([row.restitution for row in rows if not math.isnan(row.restitution)])
@@ -175,7 +175,7 @@ def _deviation(values: NDArray[np.float64]) -> float:
     return float(np.std(values, ddof=1)) if len(values) > 1 else 0.0
 
 
-def _plain_law(rows: Sequence[Landing]) -> NDArray[np.float64]:
+def _plain_law(rows: Sequence[PastLanding]) -> NDArray[np.float64]:
     """Return distance = c flux^2 of each row, c by least squares of its arm's other rows."""
     arms = np.array([row.arm for row in rows])
     square = np.array([row.flux**2 for row in rows])
@@ -189,7 +189,7 @@ def _plain_law(rows: Sequence[Landing]) -> NDArray[np.float64]:
     return told
 
 
-def _arms(law: Law) -> dict[str, Any]:
+def _arms(law: LandingLaw) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for arm, one in law.arms.items():
         heading = None

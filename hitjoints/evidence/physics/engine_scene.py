@@ -16,7 +16,7 @@ from hitjoints.model.engine import compiled, engine
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.evidence.physics.setting import Setting
+    from hitjoints.evidence.physics.setting import EngineSetting
     from hitjoints.model.robot import Contact, Robot
 
     Array = NDArray[np.float64]
@@ -67,7 +67,7 @@ class ImpactState:
         side = across / np.linalg.norm(across)
         return np.column_stack((h, side, np.cross(h, side)))
 
-    def box_centre(self, setting: Setting) -> Array:
+    def box_centre(self, setting: EngineSetting) -> Array:
         """Return where the box stands, (3,) m: its face touches the arm."""
         h, side, _ = self.axes.T
         return np.asarray(self.point + setting.size[0] / 2 * h + setting.off_centre * side)
@@ -78,7 +78,7 @@ def is_level(direction: Array) -> bool:
     return bool(abs(direction[2]) < LEVEL)
 
 
-def build_scene(robot: Robot, impact: ImpactState, setting: Setting) -> tuple[Any, Any]:
+def build_scene(robot: Robot, impact: ImpactState, setting: EngineSetting) -> tuple[Any, Any]:
     """Return MuJoCo's model and data, the arm about to touch the box at its full speed.
 
     Only what is named collides: the sphere of the contact with the box, and box with table. The

@@ -27,7 +27,7 @@ SHORT = 1e-4
 
 
 @dataclass(frozen=True)
-class Setting:
+class EngineSetting:
     """A hit in the engine; as it stands, the ideal one.
 
     Attributes:
@@ -80,9 +80,9 @@ class Setting:
         """The engine's step, s."""
         return min(STEP, self.contact_time / STEPS)
 
-    def causes(self) -> list[tuple[str, float, Setting, Setting]]:
+    def causes(self) -> list[tuple[str, float, EngineSetting, EngineSetting]]:
         """Return what is not ideal: its name, its value, and settings with it alone and without."""
-        ideal = Setting(self.restitution, self.size, self.friction, rotors=self.rotors)
+        ideal = EngineSetting(self.restitution, self.size, self.friction, rotors=self.rotors)
         found = []
         for cause, name in CAUSES.items():
             value, usual = getattr(self, name), getattr(ideal, name)
@@ -114,7 +114,7 @@ MODES: dict[Mode, dict[str, float | bool]] = {
 """What each mode sets, where nothing else is asked for."""
 
 
-def setting(mode: Mode, **asked: float | tuple[float, ...] | None) -> Setting:
+def setting(mode: Mode, **asked: float | tuple[float, ...] | None) -> EngineSetting:
     """Return the setting of a mode with what is asked for instead; None asks for nothing.
 
     Raises:
@@ -123,4 +123,4 @@ def setting(mode: Mode, **asked: float | tuple[float, ...] | None) -> Setting:
     if mode not in MODES:
         raise UnknownNameError("mode", mode, MODES)
     given = {name: value for name, value in asked.items() if value is not None}
-    return Setting(**(MODES[mode] | given))  # type: ignore[arg-type]
+    return EngineSetting(**(MODES[mode] | given))  # type: ignore[arg-type]

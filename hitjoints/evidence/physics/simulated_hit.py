@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
     from hitjoints.evidence.physics.engine_scene import ImpactState
-    from hitjoints.evidence.physics.setting import Mode, Setting
+    from hitjoints.evidence.physics.setting import EngineSetting, Mode
     from hitjoints.evidence.physics.slide import Slide
     from hitjoints.evidence.physics.strike import Strike
     from hitjoints.impact.elastic import ElasticImpact
@@ -83,7 +83,7 @@ class Simulation:
 
     motion: Rollout
     mode: Mode
-    setting: Setting
+    setting: EngineSetting
     impact: ImpactState
     predicted: Prediction
     strike: Strike

@@ -9,7 +9,7 @@ import numpy as np
 
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.evidence.physics.engine_scene import ImpactState, is_level
-from hitjoints.evidence.physics.setting import Mode, Setting, setting
+from hitjoints.evidence.physics.setting import EngineSetting, Mode, setting
 from hitjoints.evidence.physics.simulated_hit import Cause, Prediction, Simulation
 from hitjoints.evidence.physics.slide import LONGEST, slide
 from hitjoints.evidence.physics.strike import strike
@@ -179,9 +179,7 @@ class ServoReference:
 
 
 @simulate.register(Plan)
-def _simulate_plan(  # type: ignore[misc]  # its first argument is another than that of simulate
-    plan: Plan, robot: Robot | None = None, **options: Any
-) -> Simulation:
+def _simulate_plan(plan: Plan, robot: Robot | None = None, **options: Any) -> Simulation:
     """Carry out a plan: its hit, in its configuration.
 
     Args:
@@ -211,7 +209,7 @@ def impact_of(motion: Rollout) -> ImpactState:
     )
 
 
-def predict(motion: Rollout, how: Setting) -> Prediction:
+def predict(motion: Rollout, how: EngineSetting) -> Prediction:
     """Return what the model says about a rollout that is a hit (Eq. 3, 4, 11)."""
     assert motion.impact is not None
     at, mass = motion.impact, motion.hit.mass
@@ -222,7 +220,7 @@ def predict(motion: Rollout, how: Setting) -> Prediction:
     return Prediction(speed, rebound(*asked), at.inertia, travel, at.flux, at.speed)
 
 
-def predict_elastic(motion: Rollout, impact: ImpactState, how: Setting) -> ElasticImpact:
+def predict_elastic(motion: Rollout, impact: ImpactState, how: EngineSetting) -> ElasticImpact:
     """Return what elastic joints, and servos at their motors, make of it in closed form."""
     assert motion.impact is not None
     at = motion.impact

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hitjoints.evidence.physics.engine_scene import ImpactState
-    from hitjoints.evidence.physics.setting import Setting
+    from hitjoints.evidence.physics.setting import EngineSetting
 
     Array = NDArray[np.float64]
 
@@ -41,7 +41,7 @@ class Slide:
     rows: dict[str, Array] = field(repr=False)
 
 
-def slide(impact: ImpactState, setting: Setting, qpos: Array, qvel: Array) -> Slide:
+def slide(impact: ImpactState, setting: EngineSetting, qpos: Array, qvel: Array) -> Slide:
     """Let the box slide until it rests. The arm is not there any more.
 
     Args:

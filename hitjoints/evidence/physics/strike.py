@@ -17,7 +17,7 @@ from hitjoints.model.engine import engine
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.evidence.physics.setting import Setting
+    from hitjoints.evidence.physics.setting import EngineSetting
     from hitjoints.model.robot import Robot
 
     Array = NDArray[np.float64]
@@ -56,7 +56,11 @@ class Strike:
 
 
 def strike(
-    robot: Robot, impact: ImpactState, setting: Setting, reference: Reference, follow: float = 0.0
+    robot: Robot,
+    impact: ImpactState,
+    setting: EngineSetting,
+    reference: Reference,
+    follow: float = 0.0,
 ) -> Strike:
     """Let the arm hit the box, and follow both until they part.
 
@@ -117,7 +121,7 @@ class _Bout:
     """A running simulation; what is read in a row belongs to one moment."""
 
     def __init__(
-        self, robot: Robot, impact: ImpactState, setting: Setting, reference: Reference
+        self, robot: Robot, impact: ImpactState, setting: EngineSetting, reference: Reference
     ) -> None:
         self.mujoco = engine()
         kind = self.mujoco.mjtObj

@@ -39,7 +39,7 @@ STEP_NOISE = 20.0
 """times the median distance that a single lag leaves."""
 
 
-class Step(NamedTuple):
+class LagStep(NamedTuple):
     """The recorder's row from which on the lag is another, and what it is then (rows)."""
 
     row: int
@@ -62,7 +62,7 @@ class Lag(NamedTuple):
     rows: int
     greatest: float
     median: float
-    steps: tuple[Step, ...]
+    steps: tuple[LagStep, ...]
     of_rows: NDArray[np.int64]
 
     def aligned(self, recorded: Array) -> Array:
@@ -114,7 +114,7 @@ def find_lag(model: Array, recorded: Array) -> Lag:
     path = path[first:]
     left = apart[rows[first:], path]
     changes = np.flatnonzero(np.diff(path)) + 1
-    steps = tuple(Step(first + int(i), int(path[i])) for i in changes)
+    steps = tuple(LagStep(first + int(i), int(path[i])) for i in changes)
     usual = int(np.bincount(path).argmax())
     return Lag(usual, float(left.max()), float(np.median(left)), steps, path)
 

@@ -28,7 +28,7 @@ class RecordingError(HitjointsError):
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class CsvTable:
     """The columns of a file that were asked for.
 
     Attributes:
@@ -56,7 +56,9 @@ class Table:
         return self.columns[name]
 
 
-def read_table(path: Path, widths: Mapping[str, int | None], words: tuple[str, ...] = ()) -> Table:
+def read_table(
+    path: Path, widths: Mapping[str, int | None], words: tuple[str, ...] = ()
+) -> CsvTable:
     """Read the columns of a recording.
 
     Args:
@@ -99,7 +101,7 @@ def read_table(path: Path, widths: Mapping[str, int | None], words: tuple[str, .
             faults[name] = str(error)
     texts = {name: body[0][1][header.index(name)].strip() for name in words if name in header}
     pairs = {name.strip(): value for name, value in zip(facts[::2], facts[1::2], strict=False)}
-    return Table(columns, faults, texts, pairs, tuple(notes))
+    return CsvTable(columns, faults, texts, pairs, tuple(notes))
 
 
 def _lines(path: Path) -> list[str]:

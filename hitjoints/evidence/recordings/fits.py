@@ -27,7 +27,7 @@ SHARE = 0.75
 TOLERANCE = 1e-3  # s: the recorder's stamps waver by a fraction of a step
 
 
-class Line(NamedTuple):
+class FittedLine(NamedTuple):
     """A straight line through rows: value (k,) at `time` (s), the middle of the rows, and slope."""
 
     time: float
@@ -41,7 +41,7 @@ class Line(NamedTuple):
 
 def fit_line(
     clock: Clock, values: Array, start: float, stop: float, *, least: int = 3, cover: float = 0.0
-) -> Line:
+) -> FittedLine:
     """Fit a line to the rows from start to stop, by least squares.
 
     Args:
@@ -71,10 +71,10 @@ def fit_line(
     offset -= middle
     value = rows.mean(axis=0)
     slope = offset @ (rows - value) / (offset @ offset)
-    return Line(float(time[0]) + middle, value, slope)
+    return FittedLine(float(time[0]) + middle, value, slope)
 
 
-def before(clock: Clock, values: Array, contact: float) -> Line:
+def before(clock: Clock, values: Array, contact: float) -> FittedLine:
     """Fit a line to the last `LENGTH` before the contact, but for a row if there are enough.
 
     The contact is known to about a row, and in that row the robot may already lose speed.
@@ -86,7 +86,7 @@ def before(clock: Clock, values: Array, contact: float) -> Line:
         return fit_line(clock, values, contact - LENGTH, contact)
 
 
-def after(clock: Clock, values: Array, contact: float, cover: float = 0.0) -> Line:
+def after(clock: Clock, values: Array, contact: float, cover: float = 0.0) -> FittedLine:
     """Fit a line to `LENGTH` once the robot no longer pushes."""
     start = contact + PUSH
     return fit_line(clock, values, start, start + LENGTH, cover=cover)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hitjoints.evidence.recordings.csv_table import TIME, RecordingError, Table, read_table
+from hitjoints.evidence.recordings.csv_table import TIME, CsvTable, RecordingError, read_table
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -124,7 +124,7 @@ def read_object(path: Path) -> ObjectRecording:
     return ObjectRecording(clock, table.column(name), (*table.notes, *_gap_notes(clock)))
 
 
-def _clock(table: Table) -> Clock:
+def _clock(table: CsvTable) -> Clock:
     time = table.column(TIME)[:, 0]
     steps = np.diff(time)
     if (steps < 0).any():
@@ -143,7 +143,7 @@ def _gap_notes(clock: Clock) -> list[str]:
     return [f"gaps in {TIME}: {', '.join(at[:3])}{more}"] if at else []
 
 
-def _fact(table: Table, name: str) -> float | None:
+def _fact(table: CsvTable, name: str) -> float | None:
     try:
         value = float(table.facts[name])
     except (KeyError, ValueError):
