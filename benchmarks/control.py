@@ -33,9 +33,7 @@ from tests.oracles.random_rollouts import (
 )
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 def measure() -> list[Row | Figure | Remark]:

@@ -16,9 +16,13 @@ class Row:
 
     Attributes:
         what: what is compared.
-        ours, peer: names of the two sides.
-        ours_time, peer_time: median seconds of one unit of work on each side.
-        ratio: median of the paired ratios named by `meaning`; low, high: their extremes.
+        ours: names of the two sides.
+        peer: names of the two sides.
+        ours_time: median seconds of one unit of work on each side.
+        peer_time: median seconds of one unit of work on each side.
+        ratio: median of the paired ratios named by `meaning`.
+        low: their extremes.
+        high: their extremes.
         meaning: "cost" is ours / peer, "gain" is peer / ours.
         target: what the ratio should be, such as "<= 2.5".
         contest: the peer is what a user would otherwise use, and its answers agree with ours.

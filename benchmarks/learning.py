@@ -15,11 +15,8 @@ from hitjoints.planning.learning.greatest_flux import maximum_flux, random_posit
 from hitjoints.vectors import unit
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 JOINTS, MASS = (5, 6, 7), 2.0
 HITS, DENSE = 300, 4096  # held out, and configurations that give the exact answer of each

@@ -21,9 +21,7 @@ from hitjoints.programs.solver import solve
 from hitjoints.programs.warm import WarmProgram
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 COUNT = 100
 JOINT, MASS, FLUX, DT = 6, 2.0, 0.3, 0.002  # kg, m/s, s

@@ -16,13 +16,12 @@ from functools import partial
 
 import coal
 import numpy as np
-from numpy.typing import NDArray
 
 import hitjoints as hj
 from hitjoints.errors import HitjointsError
 from hitjoints.model.meshes import MeshError, check_surface, convex_hull
+from hitjoints.types import Array
 
-Array = NDArray[np.float64]
 VALUES = (
     "0.1", "0.1 0.2 0.3", "", "0", "-1", "nan", "inf", "1e308", "1e-320", "a", "0 0", "0 0 0",
     "0 0 0 0", "1 1", "1_0", "1 ", "-0", "1e400", "0x10", "1,2", "9" * 400,

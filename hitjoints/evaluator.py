@@ -161,7 +161,9 @@ class Quick:
     """One quantity behind an ordinary function: compiled once it has been asked for often.
 
     Args:
-        robot, contact, output: the quantity.
+        robot: the quantity.
+        contact: the quantity.
+        output: the quantity.
     """
 
     def __init__(self, robot: Robot, contact: Contact | int, output: str) -> None:

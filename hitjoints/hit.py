@@ -19,11 +19,10 @@ from hitjoints.model.robot import Contact
 from hitjoints.vectors import points, positive_mass, unit
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 HOW_HARD = ("goal", "flux", "object_speed")
 """Ways to say how hard the hit is to be; at most one of them."""

@@ -19,8 +19,12 @@ class RobotChoice:
 
     Attributes:
         source: name or path.
-        tip, base, lock, tool, package_dirs, xacro_args: as `load_robot`; None and empty are the
-            usual.
+        tip: as `load_robot`; None and empty are the usual.
+        base: as `load_robot`; None and empty are the usual.
+        lock: as `load_robot`; None and empty are the usual.
+        tool: as `load_robot`; None and empty are the usual.
+        package_dirs: as `load_robot`; None and empty are the usual.
+        xacro_args: as `load_robot`; None and empty are the usual.
     """
 
     source: str = "iiwa14"

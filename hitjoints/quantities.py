@@ -91,7 +91,10 @@ def hitting_speed(
     """Return the maximum speed of a contact along a direction within the velocity limits (Eq. 9).
 
     Args:
-        robot, q, contact, direction: as `directional_inertia`.
+        robot: as `directional_inertia`.
+        q: as `directional_inertia`.
+        contact: as `directional_inertia`.
+        direction: as `directional_inertia`.
         straight: demand that the contact moves along the direction alone, not sideways as well.
 
     Returns:

@@ -10,11 +10,8 @@ import numpy as np
 from hitjoints.hit import GRAVITY
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.hit import Hit
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,11 +11,8 @@ from hitjoints.dynamics.inertia import inertia_along, inertia_and_gradient_along
 from hitjoints.dynamics.kinematics import WORLD_ALIGNED, point_jacobian
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.model.robot import Contact, Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 class State(NamedTuple):

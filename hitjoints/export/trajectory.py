@@ -15,9 +15,7 @@ from hitjoints.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 TRAJECTORY_ENDINGS = (".csv", ".npz", ".yaml", ".json")
 NUMBER = "%.16g"
@@ -30,7 +28,11 @@ class Trajectory:
 
     Attributes:
         names: of the joints, as in the robot's file.
-        time: (N,) s, from 0. q, qd, qdd, torque: (N, n) rad, rad/s, rad/s^2, N m.
+        time: (N,) s, from 0.
+        q: (N, n) rad, rad/s, rad/s^2, N m.
+        qd: (N, n) rad, rad/s, rad/s^2, N m.
+        qdd: (N, n) rad, rad/s, rad/s^2, N m.
+        torque: (N, n) rad, rad/s, rad/s^2, N m.
         why: what keeps a controller from following it; empty if nothing does.
         notes: what else the files are to say, plain values by name.
     """

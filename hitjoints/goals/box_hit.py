@@ -15,9 +15,7 @@ import numpy as np
 from hitjoints.errors import InfeasibleError
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 GRAVITY = 9.81
 """m/s^2."""

@@ -14,12 +14,11 @@ from hitjoints.goals.box_hit import Boxes, hit_boxes
 from hitjoints.goals.sliding import Support, slide_to_rest
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from hitjoints.hit import Hit
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 SAMPLES = 1000
 TOLERANCE = 0.05

@@ -16,9 +16,9 @@ from hitjoints.errors import InputError, UnknownNameError
 from hitjoints.vectors import points
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 Support = Literal["face", "corners"]
 GRAVITY = 9.81

@@ -15,11 +15,8 @@ from hitjoints.hitting.controller import MOST_STEPS, Controller
 from hitjoints.hitting.step import Step
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.hit import Hit
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 MISSED = 0.02
 """m from the object at which crossing its plane is no hit any more;"""
@@ -44,9 +41,14 @@ class Impact:
     """The state in which the contact crosses the plane through the object.
 
     Attributes:
-        time: s. position: (3,) m. miss: m, from there to the object.
+        time: s.
+        position: (3,) m.
+        miss: m, from there to the object.
         direction_error: deg, between the contact's velocity and the hitting direction.
-        inertia, desired_inertia: kg. speed: m/s along the direction. flux: m/s.
+        inertia: kg.
+        desired_inertia: kg.
+        speed: m/s along the direction.
+        flux: m/s.
         q: (n,) rad.
         saturated: the desired flux was out of reach, or the limits slowed the arm down.
     """
@@ -67,8 +69,11 @@ class Approach:
     """Steps a controller until the contact crosses the plane through the object, or cannot.
 
     Attributes:
-        rows: (q, step) of every step. q: (n,) rad, after the last. times: s, wall time of each.
-        impact, reason: as of a rollout.
+        rows: (q, step) of every step.
+        q: (n,) rad, after the last.
+        times: s, wall time of each.
+        impact: as of a rollout.
+        reason: as of a rollout.
     """
 
     def __init__(self, controller: Controller, q: Array) -> None:

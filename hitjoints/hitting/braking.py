@@ -19,12 +19,9 @@ from hitjoints.programs.torque_rows import Impulses, with_impulses
 from hitjoints.programs.warm import WarmProgram
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.hitting.torque_limits import TorqueLimits
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 LEAST_URGENT, MOST_URGENT = 0.1, 10.0
 """Of the weights with which joints brake that cannot all brake as they must."""
@@ -61,7 +58,8 @@ class Brake:
         """Return the velocity after a step of slowing down, always within the step's bounds.
 
         Args:
-            q: (n,) rad. qd: (n,) rad/s.
+            q: (n,) rad.
+            qd: (n,) rad/s.
             share: of qd that is left, if the torques allow it and the arm can stop from there;
                 else the step is the next on the way to rest from here, or, where the torques do
                 not allow that one, the nearest to it. Where there is no such way the arm brakes as

@@ -16,12 +16,9 @@ from hitjoints.kernels.tape.backends import choose
 from hitjoints.kernels.verify import samples
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.kernels.tape.scalar import ScalarProgram
     from hitjoints.model.robot import Contact, Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 FLOAT = np.dtype(float)
 GUESSES = 8
@@ -38,7 +35,8 @@ class CompiledStep:
     or beyond, there is none.
 
     Args:
-        robot, contact: the arm and what it hits with.
+        robot: the arm and what it hits with.
+        contact: the arm and what it hits with.
         setting: of the controller, numbers in place of a tape's.
     """
 

@@ -30,11 +30,10 @@ from hitjoints.programs.joint_velocity import reachable_speed
 from hitjoints.vectors import real
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 ReferenceName = Literal["constant", "optimised"]
 BRAKING = 0.5  # share of the speed kept per step when no motion is certified
@@ -247,7 +246,8 @@ class Controller:
         """Return the joint velocity (n,) rad/s of a step that slows the arm down.
 
         Args:
-            q: (n,) rad. qd: (n,) rad/s, of the step before.
+            q: (n,) rad.
+            qd: (n,) rad/s, of the step before.
             share: of qd that is left, or less where limits demand it.
         """
         if self._brake is not None:

@@ -10,12 +10,8 @@ from hitjoints.hitting.velocity_box import velocity_box
 from hitjoints.programs.hitting_speed import solve_hitting_speed
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from hitjoints.model.robot import Contact, Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 def deliverable_speed(

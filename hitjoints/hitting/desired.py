@@ -19,11 +19,8 @@ from hitjoints.programs.torque_rows import Impulses, with_impulses
 from hitjoints.programs.warm import WarmProgram
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.dynamics.contact_point import ContactPoint, State
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 Weighting = Literal["identity", "gradient"]
 BACKWARDS = -10.0
@@ -68,10 +65,14 @@ class DesiredInertia:
         """Return lambda*, kg; the present inertia if Eq. 12 has no certified answer.
 
         Args:
-            q: (n,) rad. state: there. f: (3,) m/s, the field. pull: (n,) m/rad, J^T h.
+            q: (n,) rad.
+            state: there.
+            f: (3,) m/s, the field.
+            pull: (n,) m/rad, J^T h.
             speed: m/s that has the desired flux, or the greatest within the bounds.
             saturated: it is the latter.
-            lower, upper: (n,) rad/s.
+            lower: (n,) rad/s.
+            upper: (n,) rad/s.
             impulses: what the motors can do, if that is limited: then the flux row asks for as
                 much of the flux as they can give within the step.
         """

@@ -10,11 +10,10 @@ import numpy as np
 from hitjoints.errors import InputError
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 WITHIN = 1.0 - 1e-9
 """Share of a limit that is used, so that rounding never leads beyond it."""
@@ -27,13 +26,15 @@ class DriveLimits:
     """Limits of every joint.
 
     Attributes:
-        velocity_lower, velocity_upper: (n,) rad/s.
+        velocity_lower: (n,) rad/s.
+        velocity_upper: (n,) rad/s.
         acceleration: (n,) rad/s^2.
         jerk: (n,) rad/s^3, what motions are shaped with.
         jerk_known: it is a limit of the arm or was given; else it is `SHAPING` times the
             acceleration, no more than a shape.
         effort: (n,) N m, infinite where not known.
-        rotor_inertia: (n,) kg m^2, reflected; zero where not known. rotors_known: it is.
+        rotor_inertia: (n,) kg m^2, reflected; zero where not known.
+        rotors_known: it is.
     """
 
     velocity_lower: Array

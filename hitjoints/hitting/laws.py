@@ -13,9 +13,7 @@ from hitjoints.programs.torque_rows import Impulses, with_impulses, with_slack
 from hitjoints.programs.warm import ROWS, WarmProgram
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 LawName = Literal["qp", "paper"]
 ASTRAY = 1e7
@@ -49,8 +47,11 @@ class VelocityLaw(Protocol):
         """Return the motion, or None if there is no certified one.
 
         Args:
-            J: (3, n) m/rad. f: (3,) m/s, the field. posture: (n,) rad/s, wanted besides.
-            lower, upper: (n,) rad/s, with lower <= 0 <= upper.
+            J: (3, n) m/rad.
+            f: (3,) m/s, the field.
+            posture: (n,) rad/s, wanted besides.
+            lower: (n,) rad/s, with lower <= 0 <= upper.
+            upper: (n,) rad/s, with lower <= 0 <= upper.
             impulses: what the motors can do, if that is limited.
         """
         ...

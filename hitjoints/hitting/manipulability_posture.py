@@ -12,11 +12,10 @@ from hitjoints.errors import InfeasibleError
 from hitjoints.quantities import place_joint
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from hitjoints.model.robot import Contact, Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 SAMPLES = 2000
 NEARLY = 0.99

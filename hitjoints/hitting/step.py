@@ -5,10 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 SLOWED = 1.0 - 1e-6  # scalings below this count as slowed down
 STABLE = 0.5  # greatest share of an inertia error that one step may remove to first order
@@ -31,9 +28,12 @@ class Step(NamedTuple):
     """What a step of the controller saw and decided.
 
     Attributes:
-        qd: (n,) rad/s. position: (3,) m, of the contact.
-        inertia, desired_inertia: kg.
-        speed: m/s along the direction that qd gives. flux: m/s, at that speed.
+        qd: (n,) rad/s.
+        position: (3,) m, of the contact.
+        inertia: kg.
+        desired_inertia: kg.
+        speed: m/s along the direction that qd gives.
+        flux: m/s, at that speed.
         scaling: share of the field's speed that the limits allow, 0 to 1.
         saturated: the desired flux was out of reach, or the motion had to be slowed down.
         braked: no motion was certified, so the arm slows down instead.

@@ -39,11 +39,17 @@ class Setting(NamedTuple):
     """What stays the same from step to step, in the order of the inputs after q and the guesses.
 
     Attributes:
-        target, direction, mass, flux, dt: of the hit and the loop.
+        target: of the hit and the loop.
+        direction: of the hit and the loop.
+        mass: of the hit and the loop.
+        flux: of the hit and the loop.
+        dt: of the hit and the loop.
         constant_speed: 1 if the field keeps its speed beside the line, else 0.
         by_gradient: 1 if the inertia's gradient weighs the joints in Eq. 12, else 0.
-        posture_gain, inertia_gain: of the null space.
-        fixed, desired: 1 and an inertia (kg) in place of Eq. 13's, else 0.
+        posture_gain: of the null space.
+        inertia_gain: of the null space.
+        fixed: 1 and an inertia (kg) in place of Eq. 13's, else 0.
+        desired: 1 and an inertia (kg) in place of Eq. 13's, else 0.
         posture: (n,).
     """
 

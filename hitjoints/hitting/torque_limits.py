@@ -19,11 +19,8 @@ from hitjoints.programs.torque_rows import Impulses
 from hitjoints.programs.warm import ROWS
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 RESERVE = 0.05
 """Share of the effort limits that a way to stop leaves unused: it is checked at three points."""
@@ -118,7 +115,8 @@ class TorqueLimits:
         beginning and whenever a joint comes to rest; `RESERVE` is for what is between.
 
         Args:
-            q: (n,) rad. qd: (n,) rad/s.
+            q: (n,) rad.
+            qd: (n,) rad/s.
             rates: (n,) rad/s^2, of a way begun before, to check in place of that one.
         """
         robot = self._robot

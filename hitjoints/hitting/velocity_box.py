@@ -14,11 +14,8 @@ import numpy as np
 from hitjoints.hitting.drive_limits import WITHIN
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.hitting.drive_limits import DriveLimits
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 ROOM = 0.98
 """Share of the way to a position limit that is used."""
@@ -32,7 +29,8 @@ def velocity_box(
     Args:
         limits: of the drives.
         q: (n,) or (N, n) rad, where the arm has these velocities.
-        lower, upper: (n,) rad, position limits, infinite where there are none.
+        lower: (n,) rad, position limits, infinite where there are none.
+        upper: (n,) rad, position limits, infinite where there are none.
         coast: s, how long they are kept afterwards; a number, or (N, 1).
 
     Returns:

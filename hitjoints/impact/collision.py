@@ -55,7 +55,10 @@ def object_speed(
     """Return the object's speed after the hit, (1 + eps) phi (Eq. 3).
 
     Args:
-        inertia, mass, speed, object_velocity: as `hitting_flux`.
+        inertia: as `hitting_flux`.
+        mass: as `hitting_flux`.
+        speed: as `hitting_flux`.
+        object_velocity: as `hitting_flux`.
         restitution: eps, from 0 to 1.
 
     Returns:
@@ -92,7 +95,9 @@ def required_speed(
     """Return the speed that produces a flux, (lambda + m_o) / lambda phi; inverse of Eq. 4.
 
     Args:
-        inertia, mass, object_velocity: as `hitting_flux`.
+        inertia: as `hitting_flux`.
+        mass: as `hitting_flux`.
+        object_velocity: as `hitting_flux`.
         flux: m/s.
 
     Returns:

@@ -18,11 +18,10 @@ from hitjoints.impact.spring_arm import Parted, SpringArm, second_contact
 from hitjoints.vectors import unit
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from hitjoints.model.robot import Contact, Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 @dataclass(frozen=True)

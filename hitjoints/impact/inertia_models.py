@@ -32,7 +32,10 @@ def impact_inertia(
     """Return the inertia that the arm shows in a hit, by a model of its drives.
 
     Args:
-        robot, q, contact, direction: as `directional_inertia`.
+        robot: as `directional_inertia`.
+        q: as `directional_inertia`.
+        contact: as `directional_inertia`.
+        direction: as `directional_inertia`.
         model: "rigid": the links alone, lambda_h of the paper; "rotor": with the rotors, coupled
             rigidly; "composite": all joints locked, the arm one free rigid body.
         rotor_inertia: (n,) or one number, kg m^2, reflected through the gears; None: the robot's.

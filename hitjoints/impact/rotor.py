@@ -12,11 +12,10 @@ import pinocchio as pin
 from hitjoints.errors import InputError, ModelError
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 ASSUMED_STIFFNESS = 1e4
 """N m/rad, of a joint whose stiffness is not known: the order of harmonic drives of this size."""

@@ -20,9 +20,7 @@ from hitjoints.impact.first_zero import Exponentials
 from hitjoints.impact.vibration import Vibration
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 TOGETHER = 64
 """Contact times after which arm and object count as going on together."""

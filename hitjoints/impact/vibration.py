@@ -20,7 +20,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
+
     Modes = NDArray[np.complex128]
 
 

@@ -21,9 +21,7 @@ from hitjoints.model.numbers import written
 from hitjoints.model.tree import Body, Connection, Tree, roll_pitch_yaw, turn_about
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 WORLD = "world"
 KINDS = ("floating", "ball", "prismatic", "revolute")  # of joints, by MuJoCo's numbers

@@ -90,7 +90,8 @@ class Effect:
 
     Attributes:
         place: of the contact, in words.
-        median, greatest: of the factors over random configurations and directions.
+        median: of the factors over random configurations and directions.
+        greatest: of the factors over random configurations and directions.
     """
 
     place: str

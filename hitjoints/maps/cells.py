@@ -17,8 +17,7 @@ if TYPE_CHECKING:
 
     from hitjoints.kernels import Placement
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 # Per position, joint and direction. Names without an ending belong to the best configuration,
 # the one of the greatest flux, so that each can be checked at its `q`.

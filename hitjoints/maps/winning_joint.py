@@ -14,12 +14,11 @@ from hitjoints.quantities import place_joint
 from hitjoints.vectors import positive_mass, unit
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
     from xarray import Dataset
 
     from hitjoints.model.robot import Contact, Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 def winning_joint(  # noqa: PLR0913

@@ -53,7 +53,9 @@ def sweep_workspace(  # noqa: PLR0913
 
     Args:
         robot: the arm.
-        x, y, z: coordinates of the grid, ascending, m.
+        x: coordinates of the grid, ascending, m.
+        y: coordinates of the grid, ascending, m.
+        z: coordinates of the grid, ascending, m.
         directions: (3,) or (D, 3) hitting directions.
         mass: of the object, kg.
         joints: hitting joints or contacts; the robot's own when not given.

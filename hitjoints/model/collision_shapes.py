@@ -36,10 +36,12 @@ class Shape:
     """A collision shape as it is written.
 
     Attributes:
-        link: that carries it. name: link and number, as Pinocchio names shapes.
+        link: that carries it.
+        name: link and number, as Pinocchio names shapes.
         kind: box, sphere, cylinder, capsule or mesh.
         numbers: m, the solid's lengths; of a mesh, its three scales.
-        xyz, rpy: m, rad, its placement in the link.
+        xyz: m, rad, its placement in the link.
+        rpy: m, rad, its placement in the link.
         mesh: the name of the mesh's file, as written.
     """
 

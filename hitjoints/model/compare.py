@@ -10,12 +10,9 @@ from hitjoints.errors import ModelError
 from hitjoints.model.tree import MOVING, rotation, turn_about
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.model.arm import Arm
     from hitjoints.model.tree import Connection
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 TOLERANCE = 1e-9  # relative: far above round-off, far below any misreading
 MOMENTS = {"mass": slice(1), "mass centre": slice(1, 4), "tensor": slice(4, 10)}

@@ -15,9 +15,7 @@ import numpy as np
 from hitjoints.model.packages import packages
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 FLAT = 1e-4
 """A mesh thinner than this share of its length gets that thickness (Coal fails below 1e-7)."""

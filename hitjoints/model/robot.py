@@ -75,7 +75,9 @@ class Robot:
         flange: the end of the arm, on the last joint; the point chi_{n+1} of Eq. 14. With a tool
             it is the tool's tip.
         xml: the URDF as given to Pinocchio.
-        title, source, licence: where the numbers come from.
+        title: where the numbers come from.
+        source: where the numbers come from.
+        licence: where the numbers come from.
         package_directory: the folder of the description, "" for a text; its meshes are looked for
             from there.
         package_dirs: folders that hold the packages of `package://` addresses.

@@ -9,7 +9,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
+
     Flags = NDArray[np.bool_]
 
 TURN = 2 * np.pi
@@ -35,7 +36,9 @@ def search_range(lower: Array, upper: Array, home: Array, turning: Flags) -> tup
     """Return the limits as far as there is something new to find: one turn around home of many.
 
     Args:
-        lower, upper, turning: as `middle`.
+        lower: as `middle`.
+        upper: as `middle`.
+        turning: as `middle`.
         home: (n,) within the limits.
 
     Returns:
@@ -52,7 +55,10 @@ def nearest_turn(q: Array, lower: Array, upper: Array, home: Array, turning: Fla
 
     Args:
         q: (n,) or (N, n) rad or m, within the limits.
-        lower, upper, home, turning: as `search_range`.
+        lower: as `search_range`.
+        upper: as `search_range`.
+        home: as `search_range`.
+        turning: as `search_range`.
     """
     turns = np.where(turning, np.round((home - q) / TURN), 0.0)
     if not turns.any():

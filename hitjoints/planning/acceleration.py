@@ -15,12 +15,9 @@ from hitjoints.hitting.controller import Controller
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
     from hitjoints.model.robot import Contact, Robot
     from hitjoints.planning.start import Start
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 CONTROL = 0.002
 """s, the control step of the runs."""

@@ -16,12 +16,9 @@ from hitjoints.impact.collision import hitting_flux
 from hitjoints.quantities import hitting_speed
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.planning.search.groups import Found
     from hitjoints.planning.task import Task
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 NEAREST_POSITION = 1e-6  # m, what a plan promises
 

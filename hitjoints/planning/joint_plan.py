@@ -24,13 +24,10 @@ from hitjoints.planning.search.sampler import Sampler
 from hitjoints.quantities import place_joint
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.kernels import Placement
     from hitjoints.planning.request import Request
     from hitjoints.planning.task import Task
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 EQUAL = 1e-6
 """A flux beyond the maximum by no more than this share is the maximum: both are rounded."""

@@ -15,13 +15,9 @@ from hitjoints.planning.start import Start
 from hitjoints.planning.torque_cost import TorqueCost
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from hitjoints.hit import Hit
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 @dataclass(frozen=True, eq=False)

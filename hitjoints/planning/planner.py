@@ -30,11 +30,10 @@ from hitjoints.planning.torque_cost import torque_cost
 from hitjoints.vectors import points, unit
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from hitjoints.model.robot import Contact, Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 @by_first_argument

@@ -7,12 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from hitjoints.planning.objectives.objective import Objective
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 @dataclass(frozen=True)

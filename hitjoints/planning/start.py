@@ -19,11 +19,10 @@ from hitjoints.tolerances import rank_floor, told_apart
 from hitjoints.vectors import unit
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from hitjoints.model.robot import Contact, Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 SETTLED = 2e-3
 """m, the lateral error a run-up may leave at most."""

@@ -32,8 +32,10 @@ class TorqueCost:
     Attributes:
         joint: the hitting joint.
         straight_flux: m/s, the most that velocity limits allow at the hitting configuration.
-        flux_without, flux_with: m/s, the most that the controller reaches from rest after a
-            run-up, without and with torque limits; None if none of the starts tried is a hit.
+        flux_without: m/s, the most that the controller reaches from rest after a run-up, without
+            and with torque limits; None if none of the starts tried is a hit.
+        flux_with: m/s, the most that the controller reaches from rest after a run-up, without and
+            with torque limits; None if none of the starts tried is a hit.
     """
 
     joint: int

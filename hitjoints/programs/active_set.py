@@ -26,7 +26,9 @@ def polish(program: Program, u: Vector, y: Vector, z: Vector) -> tuple[Vector, V
 
     Args:
         program: with bounds -1 and 1, rows and cost of order one.
-        u, y, z: (n,), (m,), (p,) the approximate answer.
+        u: (n,), (m,), (p,) the approximate answer.
+        y: (n,), (m,), (p,) the approximate answer.
+        z: (n,), (m,), (p,) the approximate answer.
 
     Returns:
         The improved u, y, z; exact if the guess was right.

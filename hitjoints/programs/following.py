@@ -22,7 +22,10 @@ class Following(NamedTuple):
     """The program, its bounds, and the unit of its last variable t: s = unit t.
 
     Attributes:
-        terms: in (qd, t). lower, upper: (n + 1,). unit: 1 unless the arm is nearly singular.
+        terms: in (qd, t).
+        lower: (n + 1,).
+        upper: (n + 1,).
+        unit: 1 unless the arm is nearly singular.
     """
 
     terms: Terms
@@ -51,8 +54,11 @@ def following(J: Matrix, f: Vector, posture: Vector, lower: Vector, upper: Vecto
     a row of 1e-8 m/rad is as binding as any other, and s may have no more room than that.
 
     Args:
-        J: (3, n) m/rad. f: (3,) m/s. posture: (n,) rad/s, wanted besides.
-        lower, upper: (n,) rad/s.
+        J: (3, n) m/rad.
+        f: (3,) m/s.
+        posture: (n,) rad/s, wanted besides.
+        lower: (n,) rad/s.
+        upper: (n,) rad/s.
     """
     if is_regular(J @ J.T):
         return Following(

@@ -44,7 +44,8 @@ def box_speed(pull: ArrayLike, lower: ArrayLike, upper: ArrayLike) -> tuple[floa
 
     Args:
         pull: (n,) m/rad, J^T h.
-        lower, upper: (n,) rad/s. Equal limits lock a joint at that speed.
+        lower: (n,) rad/s. Equal limits lock a joint at that speed.
+        upper: (n,) rad/s. Equal limits lock a joint at that speed.
 
     Returns:
         The speed in m/s and a velocity (n,) rad/s that attains it. A joint without pull moves as
@@ -78,8 +79,10 @@ def step_bounds(
 
     Args:
         q: (n,) rad.
-        position_lower, position_upper: (n,) rad, infinite where there is no limit.
-        velocity_lower, velocity_upper: (n,) rad/s, finite.
+        position_lower: (n,) rad, infinite where there is no limit.
+        position_upper: (n,) rad, infinite where there is no limit.
+        velocity_lower: (n,) rad/s, finite.
+        velocity_upper: (n,) rad/s, finite.
         dt: s, the step, > 0.
 
     Returns:
@@ -117,7 +120,8 @@ def build_hitting_speed(
     Args:
         jacobian: (3, n) m/rad, linear velocity of the contact per joint velocity.
         direction: (3,), of any length but zero.
-        lower, upper: (n,) rad/s.
+        lower: (n,) rad/s.
+        upper: (n,) rad/s.
         straight: add the rows B^T J qd = 0, B (3, 2) an orthonormal complement of h: no motion
             sideways. B is turned so that its rows are orthogonal, and a row below `rank_floor` is
             zero: sideways the arm cannot move there, whatever its round-off says.

@@ -25,7 +25,8 @@ class Infeasibility:
 
     Attributes:
         reason: which rows or bounds are in the way, and by how much.
-        y, z: (m,), (p,) multipliers; all zero when the box itself is empty.
+        y: (m,), (p,) multipliers; all zero when the box itself is empty.
+        z: (m,), (p,) multipliers; all zero when the box itself is empty.
         margin: the least value; of an empty box, the largest lower - upper.
         roundoff: bound on the rounding error of `margin`, which exceeds it.
         shortfall: every x in the box violates one of the rows by this or more, in the row's unit.

@@ -190,8 +190,10 @@ def build_joint_velocity(  # noqa: PLR0913
         velocity: (3,) m/s, f of the field.
         direction: (3,), of any length but zero.
         inertia: kg, now; the flux is linear in qd because it is not that of the next step.
-        mass: kg, of the object. flux: m/s, > 0.
-        lower, upper: (n,) rad/s, from `programs.speed.step_bounds`.
+        mass: kg, of the object.
+        flux: m/s, > 0.
+        lower: (n,) rad/s, from `programs.speed.step_bounds`.
+        upper: (n,) rad/s, from `programs.speed.step_bounds`.
         weights: (n,) the diagonal of W, > 0; ones when not given. See `gradient_weights`.
         rho: weight of the joint motion, > 0.
 

@@ -30,10 +30,15 @@ class Program:
 
     Attributes:
         c: (n,).
-        lower, upper: (n,), finite. Equal bounds fix a variable; crossed ones are accepted here
-            and found infeasible by the solver.
+        lower: (n,), finite. Equal bounds fix a variable; crossed ones are accepted here and found
+            infeasible by the solver.
+        upper: (n,), finite. Equal bounds fix a variable; crossed ones are accepted here and found
+            infeasible by the solver.
         H: (n, n) symmetric positive semidefinite, or None for a linear program.
-        A, b: (m, n), (m,); C, d: (p, n), (p,); empty when there are no such rows.
+        A: (m, n), (m,);
+        b: (m, n), (m,);
+        C: (p, n), (p,); empty when there are no such rows.
+        d: (p, n), (p,); empty when there are no such rows.
 
     Raises:
         InputError: shapes that do not fit, a number that is not finite, H not convex.
@@ -148,7 +153,8 @@ class Solution:
 
     Attributes:
         x: (n,), within the bounds to the last bit.
-        y, z: (m,), (p,) multipliers of the equalities and of the inequalities (>= 0).
+        y: (m,), (p,) multipliers of the equalities and of the inequalities (>= 0).
+        z: (m,), (p,) multipliers of the equalities and of the inequalities (>= 0).
         w: (n,) multipliers of the bounds: > 0 for the upper, < 0 for the lower.
         objective: the value reached at x.
         residuals: computed from the data and this answer, whatever the solver says.

@@ -34,7 +34,8 @@ class Scaled:
 
     Attributes:
         program: the scaled program.
-        middle, half: (n,) centre and half width of the box.
+        middle: (n,) centre and half width of the box.
+        half: (n,) centre and half width of the box.
         turn: (m, m) the weights of the original equalities in each of the new ones.
         bounds: (p,) what the rows of C were divided by; inf for round-off.
         cost: what the objective was divided by.

@@ -21,7 +21,9 @@ class Impulses(NamedTuple):
     """The impulses p = M qd+ + b that one step demands of the joints, and their limits.
 
     Attributes:
-        M: (n, n) kg m^2. b: (n,) N m s. limit: (n,) N m s, for both signs.
+        M: (n, n) kg m^2.
+        b: (n,) N m s.
+        limit: (n,) N m s, for both signs.
     """
 
     M: Matrix

@@ -39,7 +39,8 @@ class WarmProgram:
         m: number of equalities.
 
     Attributes:
-        warm, cold: how many answers took ProxQP, and how many the certifying solver.
+        warm: how many answers took ProxQP, and how many the certifying solver.
+        cold: how many answers took ProxQP, and how many the certifying solver.
     """
 
     def __init__(self, n: int, m: int) -> None:
@@ -56,7 +57,11 @@ class WarmProgram:
 
         Args:
             H: (n, n), symmetric positive definite.
-            c: (n,). A, b: (m, n), (m,). lower, upper: (n,), finite.
+            c: (n,).
+            A: (m, n), (m,).
+            b: (m, n), (m,).
+            lower: (n,), finite.
+            upper: (n,), finite.
         """
         known = self._follow(H, c, A, b, lower, upper, GUESSES)
         if known is not None:

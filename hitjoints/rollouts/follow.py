@@ -22,11 +22,10 @@ from hitjoints.rollouts.prepare import prepare
 from hitjoints.rollouts.record import Rollout
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 FOLLOW_THROUGH = 0.2
 """s from the impact to rest, and"""
@@ -62,9 +61,18 @@ def rollout(  # noqa: PLR0913
     Args:
         robot: the arm.
         hit: what is asked.
-        q0, start, q_hit, run_up, seed: see `hitting.prepare.prepare`.
+        q0: see `hitting.prepare.prepare`.
+        start: see `hitting.prepare.prepare`.
+        q_hit: see `hitting.prepare.prepare`.
+        run_up: see `hitting.prepare.prepare`.
+        seed: see `hitting.prepare.prepare`.
         dt: s, the step, 2e-5 to 0.05.
-        reference, law, weighting, gains, speed_profile, torque_limits: see `Controller`.
+        reference: see `Controller`.
+        law: see `Controller`.
+        weighting: see `Controller`.
+        gains: see `Controller`.
+        speed_profile: see `Controller`.
+        torque_limits: see `Controller`.
 
     Returns:
         The result, with `impact` and `dataset`. It is no hit if `reason` is not empty: off the

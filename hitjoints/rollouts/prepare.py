@@ -16,13 +16,12 @@ from hitjoints.tolerances import exceeds, told_apart
 from hitjoints.vectors import points
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from hitjoints.hit import Hit
     from hitjoints.model.robot import Contact, Robot
     from hitjoints.planning.start import Start
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 TRIES = 12
 """Configurations whose run-up is looked at, best first."""

@@ -12,14 +12,12 @@ import numpy as np
 from hitjoints.datasets.describe import origin
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
     from xarray import Dataset
 
     from hitjoints.hit import Hit
     from hitjoints.hitting.approach import Impact
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 AT_REST = 1e-9
 """rad/s, slower than that an arm has stopped."""
@@ -53,12 +51,15 @@ class Rollout:
     """A hit from its start to its end.
 
     Attributes:
-        robot, hit: what was asked.
+        robot: what was asked.
+        hit: what was asked.
         impact: None if the contact never reached the object's plane.
         reason: why it is no hit; empty for a hit.
         q_hit: (n,) rad, the hitting configuration it was prepared with.
         dt: s.
-        steps: until the impact. saturated_steps, braked_steps: of these.
+        steps: until the impact.
+        saturated_steps: of these.
+        braked_steps: of these.
         rows: name -> array along time, without `time`; see `VARIABLES`.
         step_times: (steps,) s, wall time of every control step.
         parameters: of the controller, kept in the data set.

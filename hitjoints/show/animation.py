@@ -14,11 +14,8 @@ from hitjoints.show.drawn_arm import add_solid, draw_arm, set_view
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
     from hitjoints.evidence.physics.simulated_hit import Simulation
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 ANIMATION_ENDINGS = (".gif",)
 RATE, SLOWER = 20, 8

@@ -16,11 +16,10 @@ from hitjoints.tolerances import MOBILITY_FLOOR
 from hitjoints.vectors import points, unit
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 LINK, EDGE = "#C9CED6", "#6B7280"
 BOX, INERTIA = "#E69F00", "#0072B2"
@@ -97,8 +96,10 @@ def belted_ellipsoid(inverse: ArrayLike, rows: int = 33, columns: int = 64) -> t
 
     Args:
         inverse: (3, 3) 1/kg, J M^-1 J^T.
-        rows, columns: of the grid over the sphere, pole to pole and around; the poles are where
-            the inertia is least, and round them the surface is smooth.
+        rows: of the grid over the sphere, pole to pole and around; the poles are where the inertia
+            is least, and round them the surface is smooth.
+        columns: of the grid over the sphere, pole to pole and around; the poles are where the
+            inertia is least, and round them the surface is smooth.
 
     Returns:
         (rows, columns, 3) unit vectors; (rows, columns) kg, inf where the contact cannot move.

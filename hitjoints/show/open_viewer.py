@@ -39,10 +39,15 @@ def view(  # noqa: PLR0913
         robot: the arm.
         q: (n,) rad, the configuration to begin with; home by default.
         contact: joint number or Contact; the last but one of the hitting joints by default.
-        position, direction, mass, flux: the hit, see `Hit`; all but the offset of the contact can
-            be changed in the browser.
+        position: the hit, see `Hit`; all but the offset of the contact can be changed in the
+            browser.
+        direction: the hit, see `Hit`; all but the offset of the contact can be changed in the
+            browser.
+        mass: the hit, see `Hit`; all but the offset of the contact can be changed in the browser.
+        flux: the hit, see `Hit`; all but the offset of the contact can be changed in the browser.
         q_hit: (n,) rad, the configuration that the hit is played to; planned when not given.
-        host, port: where to serve; the next free port if this one is taken.
+        host: where to serve; the next free port if this one is taken.
+        port: where to serve; the next free port if this one is taken.
 
     Returns:
         A `Viewer`, which serves in threads of its own until `stop` or the end of the program.

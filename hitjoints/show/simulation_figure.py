@@ -12,11 +12,8 @@ from hitjoints.show.figures import COLOURS, colour_of
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
     from hitjoints.evidence.physics.simulated_hit import Simulation
-
-    Array = NDArray[np.float64]
 
 BOX, TOLD = "#000000", COLOURS[0]
 AROUND = 0.6

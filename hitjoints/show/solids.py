@@ -13,8 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 THICKNESS = 0.03  # m, radius of the bars drawn for an arm without shapes
 SECTIONS = 32
@@ -24,9 +23,11 @@ class Solid(NamedTuple):
     """Triangles carried by a joint.
 
     Attributes:
-        name: of the shape. joint: 0 for the base.
+        name: of the shape.
+        joint: 0 for the base.
         placement: pin.SE3 in the joint's frame.
-        vertices: (V, 3) m. faces: (F, 3), indices of vertices.
+        vertices: (V, 3) m.
+        faces: (F, 3), indices of vertices.
     """
 
     name: str

@@ -12,11 +12,9 @@ from hitjoints.show.figures import COLOURS, colour_of
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
     from hitjoints.swings.swing_record import Swing
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 LAST = 0.12
 """m before the object that the picture of the approach begins, or with the wind-up."""

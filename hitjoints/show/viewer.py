@@ -35,8 +35,7 @@ if TYPE_CHECKING:
 
     from hitjoints.model.robot import Robot
     from hitjoints.show.solids import Solid
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 FRAMES = 30.0  # per s
 SLOWER = 10  # a hit takes a tenth of a second: it is played so many times slower

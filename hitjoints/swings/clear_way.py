@@ -15,11 +15,8 @@ from hitjoints.errors import ModelError
 from hitjoints.planning.room.shapes import Scene, scene_of
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.model.robot import Contact, Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 class Obstacle(NamedTuple):

@@ -14,11 +14,8 @@ import numpy as np
 from hitjoints.swings.ramps import Progress, Ramp, least_time, ramp_of
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.hitting.drive_limits import DriveLimits
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 BESIDE = 1e-9
@@ -52,7 +49,8 @@ class Standing:
     """Standing still.
 
     Attributes:
-        q: (n,) rad. duration: s.
+        q: (n,) rad.
+        duration: s.
     """
 
     q: Array
@@ -69,7 +67,8 @@ class Line:
     """From rest to rest on a straight line in joint space.
 
     Attributes:
-        start, end: (n,) rad.
+        start: (n,) rad.
+        end: (n,) rad.
         ramp: of the unit speed, for speeding up and slowing down.
         cruise: s, at unit speed between them.
         slowness: how many times as long it takes all in all.
@@ -141,8 +140,12 @@ class Stroke:
     be shorter than that of the others where it has less room, and then it waits at first.
 
     Attributes:
-        q_hit: (n,) rad. velocity: (n,) rad/s, there. curvature: (n,) rad/s^2.
-        wind_up, stop: ramps of every joint. coast: s, from the impact to the stop.
+        q_hit: (n,) rad.
+        velocity: (n,) rad/s, there.
+        curvature: (n,) rad/s^2.
+        wind_up: ramps of every joint.
+        stop: ramps of every joint.
+        coast: s, from the impact to the stop.
     """
 
     q_hit: Array

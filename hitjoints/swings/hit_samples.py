@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from hitjoints.hit import Hit
     from hitjoints.hitting.drive_limits import DriveLimits
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 SAMPLES = 1500
 COAST = 0.01
@@ -35,8 +34,11 @@ class Samples(NamedTuple):
     """Configurations with the contact at the object.
 
     Attributes:
-        q: (N, n) rad. J: (N, 3, n) m/rad. inertia: (N,) kg.
-        lower, upper: (N, n) rad/s, the velocity boxes there.
+        q: (N, n) rad.
+        J: (N, 3, n) m/rad.
+        inertia: (N,) kg.
+        lower: (N, n) rad/s, the velocity boxes there.
+        upper: (N, n) rad/s, the velocity boxes there.
         flux: (N,) m/s, the greatest that can be delivered straight along the direction.
     """
 
@@ -115,7 +117,8 @@ def spread_out(
     Diverse configurations matter: of near ones mostly all fail, or none.
 
     Args:
-        robot, hit: the arm and the hit.
+        robot: the arm and the hit.
+        hit: the arm and the hit.
         samples: all.
         chosen: (M,) rows.
         start: (n,) rad.

@@ -15,11 +15,8 @@ from hitjoints.programs.solver import solve
 from hitjoints.tolerances import rank_floor
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.model.robot import Contact, Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 SMALLEST = 1e-3
 """rad/s, least width of the box that weighs a joint: one at its limit is not used at all costs."""
@@ -36,8 +33,10 @@ def impact_velocity(
     solver has no certified answer, or without a speed, the fastest ones, scaled.
 
     Args:
-        J: (3, n) m/rad. h: (3,), unit.
-        lower, upper: (n,) rad/s, lower <= 0 <= upper.
+        J: (3, n) m/rad.
+        h: (3,), unit.
+        lower: (n,) rad/s, lower <= 0 <= upper.
+        upper: (n,) rad/s, lower <= 0 <= upper.
         speed: m/s, wanted; None for as fast as can be.
 
     Returns:
@@ -93,8 +92,12 @@ def straightening(
     Across h the contact's acceleration J c + J' qd vanishes; of all such c the smallest.
 
     Args:
-        robot, contact: the arm and what it hits with.
-        q, qd: (n,) rad and rad/s. h: (3,), unit. J: (3, n) m/rad at q.
+        robot: the arm and what it hits with.
+        contact: the arm and what it hits with.
+        q: (n,) rad and rad/s.
+        qd: (n,) rad and rad/s.
+        h: (3,), unit.
+        J: (3, n) m/rad at q.
         widths: (n,), the unit that each c is measured in; zero for joints that are not to bend.
     """
     model, data = robot.model, robot.data

@@ -50,8 +50,10 @@ def swing(  # noqa: PLR0913
         hit: what is asked; its `flux` may be None for the greatest that can be.
         q0: (n,) rad, where the arm is; by default its home.
         q_hit: (n,) rad, the configuration to strike in, such as a plan's, tried before others.
-        acceleration, jerk: rad/s^2 and rad/s^3, one number or (n,); by default the robot's. An
-            unknown jerk limit is not kept, and said to be unknown.
+        acceleration: rad/s^2 and rad/s^3, one number or (n,); by default the robot's. An unknown
+            jerk limit is not kept, and said to be unknown.
+        jerk: rad/s^2 and rad/s^3, one number or (n,); by default the robot's. An unknown jerk limit
+            is not kept, and said to be unknown.
         table_height: m, of a table to stay above.
         margin: m, clearance to the object until the impact, to the table, and of the arm to itself.
         dt: s, spacing of the samples, 1e-4 to 0.02; the impact falls on one.

@@ -8,13 +8,10 @@ import numpy as np
 import pinocchio as pin
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.hitting.drive_limits import DriveLimits
     from hitjoints.model.robot import Robot
     from hitjoints.swings.curves import Joints
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 def torques(robot: Robot, limits: DriveLimits, joints: Joints) -> Array:

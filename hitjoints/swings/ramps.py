@@ -7,9 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 class Progress(NamedTuple):
@@ -25,7 +23,8 @@ class Ramp(NamedTuple):
     """From rest to unit speed in `time`, the acceleration built up and taken back in `build` each.
 
     Attributes:
-        time, build: (n,) s, one ramp per joint; 0 < build <= time / 2.
+        time: (n,) s, one ramp per joint; 0 < build <= time / 2.
+        build: (n,) s, one ramp per joint; 0 < build <= time / 2.
     """
 
     time: Array

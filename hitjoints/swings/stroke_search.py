@@ -17,13 +17,10 @@ from hitjoints.swings.motion_limits import greatest_ratios, torques
 from hitjoints.swings.ramps import Ramp, least_time, ramp_of
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.hit import Hit
     from hitjoints.hitting.drive_limits import DriveLimits
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 FACTORS = (1.0, 1.3, 1.7, 2.3, 3.2, 4.5)
 """Times of a wind-up or a stop that are tried, in units of the least."""
@@ -48,7 +45,10 @@ class FoundStroke(NamedTuple):
     """A configuration and its joint velocity at the impact.
 
     Attributes:
-        q, qd: (n,) rad, rad/s. J: (3, n) m/rad. speed: m/s along the direction.
+        q: (n,) rad.
+        qd: (n,) rad/s.
+        J: (3, n) m/rad.
+        speed: m/s along the direction.
     """
 
     q: Array
@@ -61,7 +61,8 @@ class StrokeSearch:
     """Searches strokes of one arm for one hit; `reasons` counts what was in the way.
 
     Args:
-        robot, hit: the arm and the hit.
+        robot: the arm and the hit.
+        hit: the arm and the hit.
         limits: of its drives.
         room: what is around.
     """

@@ -17,14 +17,11 @@ from hitjoints.swings.motion_limits import greatest_ratios, torques
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
     from hitjoints.hit import Hit
     from hitjoints.hitting.drive_limits import DriveLimits
     from hitjoints.model.robot import Robot
     from hitjoints.swings.curves import Joints, Motion
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 NOTED = ("hit", "impact_time", "flux", "unknown")
 """What of `as_dict` goes into a trajectory's file."""
@@ -37,7 +34,8 @@ class Swing:
     """A motion from rest to rest that strikes on the way.
 
     Attributes:
-        robot, hit: what was asked; the hit has the contact and the flux that were chosen.
+        robot: what was asked; the hit has the contact and the flux that were chosen.
+        hit: what was asked; the hit has the contact and the flux that were chosen.
         limits: that it keeps.
         motion: the joints at any time.
         dt: s, spacing of the samples.

@@ -27,8 +27,7 @@ if TYPE_CHECKING:
     from hitjoints.hitting.drive_limits import DriveLimits
     from hitjoints.model.robot import Robot
     from hitjoints.swings.clear_way import Obstacle, Room
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 CANDIDATES = 40
 """Configurations whose strokes are looked at."""
@@ -56,7 +55,8 @@ class SwingSearch:
     """Searches a swing of one arm for one hit.
 
     Args:
-        robot, hit: the arm and the hit.
+        robot: the arm and the hit.
+        hit: the arm and the hit.
         limits: of its drives.
         room: what is around.
         start: (n,) rad, where the arm is.

@@ -12,12 +12,9 @@ from hitjoints.swings.curves import Line, line_between
 from hitjoints.swings.motion_limits import torques
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.hitting.drive_limits import DriveLimits
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 VIAS = 20
 """Random configurations that a way may lead through, if it cannot be straight."""
@@ -43,9 +40,12 @@ def way_there(
     """Return the lines of a way, or what is in the way.
 
     Args:
-        robot, limits, room: the arm and what is around.
+        robot: the arm and what is around.
+        limits: the arm and what is around.
+        room: the arm and what is around.
         box: the object, which nothing may touch on the way.
-        start, end: (n,) rad.
+        start: (n,) rad.
+        end: (n,) rad.
         rng: of the detours.
     """
     if np.abs(end - start).max() <= THERE:

@@ -19,9 +19,7 @@ import numpy as np
 from hitjoints.evidence.calibration.landing_rows import PastLanding
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 LEVEL, NORMAL = 0.9, 1.6448536269514722
 """Share of landings that an interval holds, and the normal distribution's quantile for it."""

@@ -20,7 +20,9 @@ class ClaimRow:
         figure: where the paper has it: "fig2", "fig4", "fig5", "fig6", "text", or "spread".
         quantity: what it is, with its unit.
         paper: a number or words, as printed; None where the paper prints none.
-        iiwa14_bullet, iiwa14, iiwa14_phantom: what comes out on each arm.
+        iiwa14_bullet: what comes out on each arm.
+        iiwa14: what comes out on each arm.
+        iiwa14_phantom: what comes out on each arm.
         remark: what differs, and why.
     """
 
@@ -42,7 +44,10 @@ class Item:
     """A row before it is computed.
 
     Attributes:
-        key: of the value. figure, quantity, paper: as of a `ClaimRow`.
+        key: of the value.
+        figure: as of a `ClaimRow`.
+        quantity: as of a `ClaimRow`.
+        paper: as of a `ClaimRow`.
         remark: text in which {bullet[key]}, {iiwa14[key]} and {phantom[key]} stand for values, and
             {tensors[key]} for what PyBullet's tensors add to the URDF's, %.
     """

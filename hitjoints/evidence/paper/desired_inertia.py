@@ -14,13 +14,10 @@ from hitjoints.hitting.controller import ReferenceName
 from hitjoints.model.robot import Contact
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.evidence.paper.scenario import Scenario
     from hitjoints.model.robot import Robot
     from hitjoints.rollouts.record import Rollout
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 REFERENCES: tuple[ReferenceName, ReferenceName] = ("constant", "optimised")
 FOLLOWED = (7, 6)

@@ -30,7 +30,8 @@ class Hits:
 
     Attributes:
         starts: by Eq. 14.
-        printed: rolled out by Eq. 7 as printed. qp: by the default law of hitjoints.
+        printed: rolled out by Eq. 7 as printed.
+        qp: by the default law of hitjoints.
     """
 
     starts: Mapping[int, PaperStart]

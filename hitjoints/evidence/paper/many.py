@@ -14,8 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 ANGLES = (61, 5)
 """Of joint k, and of joint k + 1, that Eq. 14 is tried with: the best of them comes within 0.4 %
@@ -32,7 +31,9 @@ def best_postures(robot: Robot, q: Array, joint: int, h: Array) -> tuple[Array, 
     """Return every row with q_k .. q_n by Eq. 14 on a grid, and its inertia.
 
     Args:
-        robot: the arm. joint: k; at most one joint may follow it. h: (3,), unit.
+        robot: the arm.
+        joint: k; at most one joint may follow it.
+        h: (3,), unit.
         q: (N, n) rad; q_1 .. q_{k-1} are kept.
 
     Returns:
@@ -68,7 +69,11 @@ def along_the_line(
     """Move joint k of every row straight along h, by Eq. 7 without its null space term.
 
     Args:
-        robot, joint, h: as `best_postures`. q: (N, n) rad, starts. distance: m.
+        robot: as `best_postures`.
+        joint: as `best_postures`.
+        h: as `best_postures`.
+        q: (N, n) rad, starts.
+        distance: m.
 
     Returns:
         (N, n) rad, at the end of the way; (N,), whether the row got there within the position

@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 JOINTS = (7, 6, 5)
 """The paper's hitting joints, in the order of its Fig. 5."""
@@ -30,10 +28,15 @@ class Scenario:
     through it, straight in front of the arm, so that the field of Eq. 5 has no error to correct.
 
     Attributes:
-        position: (3,) m, of the object. direction: (3,), unit. mass: kg, the paper's.
-        run_up: m, from the start to the object. flux: m/s, desired.
-        setups: start positions tried in the study of the spread. seed: of these.
-        low, high: (3,) m, the box around the arm that they lie in.
+        position: (3,) m, of the object.
+        direction: (3,), unit.
+        mass: kg, the paper's.
+        run_up: m, from the start to the object.
+        flux: m/s, desired.
+        setups: start positions tried in the study of the spread.
+        seed: of these.
+        low: (3,) m, the box around the arm that they lie in.
+        high: (3,) m, the box around the arm that they lie in.
         samples: inverse kinematics solutions of the start that Eq. 14 is tried from.
         dt: s, control step.
     """

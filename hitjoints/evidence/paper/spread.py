@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 
     from hitjoints.evidence.paper.scenario import Scenario
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 NEAR = 0.1
 """Share of a printed number that counts as near it."""

@@ -15,15 +15,12 @@ from hitjoints.quantities import place_joint
 from hitjoints.rollouts.follow import rollout
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.evidence.paper.scenario import Scenario
     from hitjoints.hitting.controller import ReferenceName
     from hitjoints.hitting.laws import LawName
     from hitjoints.model.robot import Robot
     from hitjoints.rollouts.record import Rollout
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 @dataclass(frozen=True, eq=False)

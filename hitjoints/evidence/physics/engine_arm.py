@@ -14,11 +14,8 @@ from hitjoints.kernels.formulas.chain import joint_axes
 from hitjoints.model.engine import engine
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 LEAST_INERTIA = 1e-12
 """kg and kg m^2: what a link without mass gets, because the engine refuses none."""

@@ -14,12 +14,9 @@ from hitjoints.impact.restitution import contact_spring
 from hitjoints.model.engine import compiled, engine
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.evidence.physics.setting import EngineSetting
     from hitjoints.model.robot import Contact, Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 RADIUS = 0.05
 """m, of the sphere that is the link's surface at the contact."""
@@ -42,8 +39,12 @@ class ImpactState:
     """The state at the impact.
 
     Attributes:
-        contact: the point that hits. direction: (3,) unit vector h. mass: kg, of the object.
-        q, qd: (n,) rad, rad/s. point: (3,) m, where the arm touches.
+        contact: the point that hits.
+        direction: (3,) unit vector h.
+        mass: kg, of the object.
+        q: (n,) rad.
+        qd: (n,) rad/s.
+        point: (3,) m, where the arm touches.
     """
 
     contact: Contact

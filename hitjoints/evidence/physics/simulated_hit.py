@@ -6,10 +6,7 @@ from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
     from xarray import Dataset
 
     from hitjoints.evidence.physics.engine_scene import ImpactState
@@ -18,8 +15,6 @@ if TYPE_CHECKING:
     from hitjoints.evidence.physics.strike import Strike
     from hitjoints.impact.elastic import ElasticImpact
     from hitjoints.rollouts.record import Rollout
-
-    Array = NDArray[np.float64]
 
 COMPARED = ("object_speed", "rebound", "inertia")
 VARIABLES: dict[str, tuple[str, str, tuple[str, ...]]] = {
@@ -43,10 +38,12 @@ class Prediction:
     """What the model says beforehand.
 
     Attributes:
-        object_speed: m/s, (1 + eps) phi (Eq. 3). rebound: m/s, negative (Eq. 11).
+        object_speed: m/s, (1 + eps) phi (Eq. 3).
+        rebound: m/s, negative (Eq. 11).
         inertia: kg, lambda at the impact.
         travel: m, v^2 / (2 mu g); None where the box does not slide on a table with friction.
-        flux, speed: m/s, at the impact.
+        flux: m/s, at the impact.
+        speed: m/s, at the impact.
     """
 
     object_speed: float
@@ -73,9 +70,11 @@ class Simulation:
 
     Attributes:
         motion: the rollout to the impact.
-        mode, setting: how it was made in the engine.
+        mode: how it was made in the engine.
+        setting: how it was made in the engine.
         impact: the state at the first touch.
-        predicted: by the model. strike: by the engine, until arm and box part.
+        predicted: by the model.
+        strike: by the engine, until arm and box part.
         slide: until the box rests; None where it does not slide on a table with friction.
         causes: of the difference, those that are in the setting.
         elastic: what elastic joints make of it in closed form; None where joints are rigid.

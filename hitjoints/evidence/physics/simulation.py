@@ -24,13 +24,12 @@ from hitjoints.swings.as_rollout import as_rollout
 from hitjoints.swings.swing_record import Swing
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from hitjoints.hit import Hit
     from hitjoints.model.robot import Robot
     from hitjoints.rollouts.record import Rollout
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 ELASTIC_CONTACT = 0.01
 """s, of a hit on elastic joints: in a shorter one they take no part."""
@@ -81,8 +80,13 @@ def simulate(  # noqa: PLR0913
         off_centre: m, from the contact sideways to the box's centre; 0, or 0.02 when realistic.
         elastic: put every joint's motor behind a spring, and predict that in closed form as well;
             a contact then lasts 0.01 s when nothing else is asked for.
-        stiffness, rotor_inertia: of elastic joints; see `elastic_impact`.
-        q0, start, q_hit, torque_limits, seed: see `rollout`.
+        stiffness: of elastic joints; see `elastic_impact`.
+        rotor_inertia: of elastic joints; see `elastic_impact`.
+        q0: see `rollout`.
+        start: see `rollout`.
+        q_hit: see `rollout`.
+        torque_limits: see `rollout`.
+        seed: see `rollout`.
 
     Returns:
         The result, with `predicted`, `simulated`, `errors`, `causes` and `dataset`.

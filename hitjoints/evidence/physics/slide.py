@@ -12,12 +12,9 @@ from hitjoints.evidence.physics.engine_scene import add_box, add_table, set_opti
 from hitjoints.model.engine import compiled, engine
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.evidence.physics.engine_scene import ImpactState
     from hitjoints.evidence.physics.setting import EngineSetting
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 STEP = 2e-4
 """s."""
@@ -45,8 +42,10 @@ def slide(impact: ImpactState, setting: EngineSetting, qpos: Array, qvel: Array)
     """Let the box slide until it rests. The arm is not there any more.
 
     Args:
-        impact, setting: of the hit; the direction is level and the table has friction.
-        qpos, qvel: (7,) position and quaternion, and (6,) velocity of the box at the parting.
+        impact: of the hit; the direction is level and the table has friction.
+        setting: of the hit; the direction is level and the table has friction.
+        qpos: (7,) position and quaternion, and (6,) velocity of the box at the parting.
+        qvel: (7,) position and quaternion, and (6,) velocity of the box at the parting.
 
     Raises:
         SolverError: it does not come to rest.

@@ -15,12 +15,10 @@ from hitjoints.impact import spring_arm
 from hitjoints.model.engine import engine
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.evidence.physics.setting import EngineSetting
     from hitjoints.model.robot import Robot
+    from hitjoints.types import Array
 
-    Array = NDArray[np.float64]
     Reference = Callable[[float], Array]
 
 TOGETHER = 3.0

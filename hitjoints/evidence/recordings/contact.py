@@ -10,11 +10,8 @@ from hitjoints.evidence.recordings import fits
 from hitjoints.evidence.recordings.csv_table import RecordingError
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.evidence.recordings.layout import Clock
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 REST_ROWS = 3
 """Rows at the start whose median is where the object stands at first."""

@@ -13,9 +13,7 @@ import numpy as np
 from hitjoints.errors import HitjointsError
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 TIME = "RosTime"
 

@@ -9,11 +9,8 @@ import numpy as np
 from hitjoints.evidence.recordings.csv_table import RecordingError
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.evidence.recordings.layout import Clock
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 LENGTH = 0.040
 """s of rows that a line is fitted to."""
@@ -47,7 +44,8 @@ def fit_line(
     Args:
         clock: times of the rows.
         values: (N,) or (N, k).
-        start, stop: s.
+        start: s.
+        stop: s.
         least: rows needed.
         cover: s, from the first of the rows to the last.
 

@@ -13,11 +13,8 @@ from hitjoints.evidence.recordings.contact import REST_ROWS
 from hitjoints.evidence.recordings.csv_table import RecordingError
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.evidence.recordings.layout import Clock
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 GRAVITY = 9.81
 """m/s^2; the table is taken to be level."""
@@ -55,7 +52,8 @@ def measure_glide(clock: Clock, position: Array, h: Array, contact: float) -> Gl
     """Measure the object's motion.
 
     Args:
-        clock: times of the rows. position: (N, 3) m.
+        clock: times of the rows.
+        position: (N, 3) m.
         h: (3,) hitting direction.
         contact: s, on the same clock.
 
@@ -85,7 +83,7 @@ def measure_glide(clock: Clock, position: Array, h: Array, contact: float) -> Gl
     return Glide(speed, line.time - contact, math.degrees(angle), travel, still, friction, why)
 
 
-def _by_travel(line: fits.Line, end: Array) -> float:
+def _by_travel(line: fits.FittedLine, end: Array) -> float:
     """Return v^2 / (2 g d): what it had left, spent over the rest of its way."""
     way = float(np.linalg.norm((end - line.value)[:2]))
     if way <= 0.0:
@@ -93,7 +91,7 @@ def _by_travel(line: fits.Line, end: Array) -> float:
     return float(np.sum(line.slope[:2] ** 2)) / (2 * GRAVITY * way)
 
 
-def _by_deceleration(clock: Clock, position: Array, line: fits.Line, contact: float) -> float:
+def _by_deceleration(clock: Clock, position: Array, line: fits.FittedLine, contact: float) -> float:
     """Return a / g of a parabola fitted to all rows once the robot no longer pushes."""
     start = contact + fits.PUSH
     sliding = clock.time >= start

@@ -15,9 +15,7 @@ import numpy as np
 from hitjoints.evidence.recordings.csv_table import TIME, CsvTable, RecordingError, read_table
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 RECORDED = {
     "EEF_Position": 3,
@@ -61,9 +59,11 @@ class RobotRecording:
     Attributes:
         name: what the recorder calls the robot, such as IIWA_14; empty if it does not say.
         clock: times of the rows.
-        q, qd: (N, n) rad, rad/s.
+        q: (N, n) rad.
+        qd: (N, n) rad/s.
         recorded: column name -> (N, k), those of `RECORDED` that are there and whole.
-        desired_flux: m/s. hit_time: s, the recorder's; later than the contact. None if not given.
+        desired_flux: m/s.
+        hit_time: s, the recorder's; later than the contact. None if not given.
         notes: what is missing, one sentence each.
     """
 

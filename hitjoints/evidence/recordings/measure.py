@@ -19,9 +19,7 @@ from hitjoints.evidence.recordings.replayed_hit import ReplayedHit, Series
 from hitjoints.impact.collision import hitting_flux
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    pass
 
 DEFAULT_MASS = 0.4
 """kg, of object 1 of the public data set."""

@@ -12,12 +12,9 @@ from hitjoints.evidence.recordings.alignment import Lag, find_lag, refuse_anothe
 from hitjoints.evidence.recordings.csv_table import RecordingError
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.evidence.recordings.layout import Clock, RobotRecording
     from hitjoints.model.robot import Contact, Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +24,9 @@ class RecordedMotion:
     Attributes:
         clock: times of the joints' rows.
         direction: (3,) hitting direction.
-        inertia: (N,) kg. gradient: (N, n) kg/rad. velocity: (N, 3) m/s, J qd.
+        inertia: (N,) kg.
+        gradient: (N, n) kg/rad.
+        velocity: (N, 3) m/s, J qd.
         speed: (N,) m/s along the direction.
         lag: None if the tool's position was not recorded.
         velocity_error: m/s, greatest distance to the recorded velocity; None if not recorded.
@@ -68,7 +67,8 @@ def model_along(
 
     Args:
         recording: of the robot.
-        robot: the arm. tool: the point that hits.
+        robot: the arm.
+        tool: the point that hits.
         direction: (3,); None: the axis nearest to the tool's velocity when it is fastest.
 
     Raises:

@@ -5,14 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.evidence.recordings.shown_mass import ShownMass
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +16,9 @@ class Series:
 
     Attributes:
         time: (N,) s from the contact.
-        inertia: (N,) kg. gradient: (N, n) kg/rad. speed: (N,) m/s along the direction.
+        inertia: (N,) kg.
+        gradient: (N, n) kg/rad.
+        speed: (N,) m/s along the direction.
         recorded_inertia: (N,) kg, nan where the recorder has none.
     """
 
@@ -37,40 +34,51 @@ class ReplayedHit:
     """A recorded hit beside the model; what could not be determined is None, and `reason` says why.
 
     Attributes:
-        file, object_file: paths.
+        file: paths.
+        object_file: paths.
         robot: name of the arm.
         ok: robot_speed, inertia and flux at the contact were determined.
         reason: why not, or what is missing; empty if all is there.
-        mass: kg, of the object. mass_source: given, recorded (what HittingFlux implies) or default.
+        mass: kg, of the object.
+        mass_source: given, recorded (what HittingFlux implies) or default.
         direction: hitting direction, robot base frame.
         lag: rows by which the recorder's quantities lag the joints, in most rows.
         lag_steps: the recorder's rows from which on the lag is another, each with that lag.
-        position_error, velocity_error: m, m/s, greatest distance between model and recording after
-            the lag; None if not recorded.
-        contact_time: s after the file's first row. contact_source: object (it starts to move) or
-            robot (it loses speed).
+        position_error: m, greatest distance between model and recording after the lag; None if not
+            recorded.
+        velocity_error: m/s, greatest distance between model and recording after the lag; None if
+            not recorded.
+        contact_time: s after the file's first row.
+        contact_source: object (it starts to move) or robot (it loses speed).
         hit_time_delay: s, from the contact to the recorder's HitTime.
-        inertia: kg, of the model at the contact. gradient: (n,) kg/rad.
-        recorded_inertia, recorded_gradient: the recorder's, of its own model.
-        robot_speed: m/s, before the contact, along the direction. robot_speed_after: once the
-            robot no longer pushes.
-        flux: m/s, of the model's inertia and robot_speed (Eq. 4). recorded_flux: HittingFlux.
+        inertia: kg, of the model at the contact.
+        gradient: (n,) kg/rad.
+        recorded_inertia: the recorder's, of its own model.
+        recorded_gradient: the recorder's, of its own model.
+        robot_speed: m/s, before the contact, along the direction.
+        robot_speed_after: once the robot no longer pushes.
+        flux: m/s, of the model's inertia and robot_speed (Eq. 4).
+        recorded_flux: HittingFlux.
         recorded_flux_error: m/s, greatest distance between HittingFlux and Eq. 4 with the
             recorder's own inertia and length of the velocity.
         desired_flux: m/s, of the file's first line.
-        object_speed: m/s, after the hit. object_time: s from the contact to where it is measured.
+        object_speed: m/s, after the hit.
+        object_time: s from the contact to where it is measured.
         object_direction_error: deg.
         restitution: object_speed / flux - 1 (Eq. 3).
         restitution_at_contact: the same, with what friction took until object_time given back.
-        assumed_restitution: that of the prediction. predicted_object_speed: m/s.
+        assumed_restitution: that of the prediction.
+        predicted_object_speed: m/s.
         momentum_mass: kg, mass object_speed / (robot_speed - robot_speed_after): no inertia of the
-            robot, which pushes on during the contact. momentum_ratio: to inertia.
+            robot, which pushes on during the contact.
+        momentum_ratio: to inertia.
         robot_acceleration: m/s^2, along the direction, the mean of before the contact and after it:
             the controller's.
         unpushed_mass: kg, as momentum_mass, with the speed that this gives the robot meanwhile
             taken off.
         shown_mass: by models of the drives; None where they were not asked for.
-        travel: m, of the object. came_to_rest: within the recording.
+        travel: m, of the object.
+        came_to_rest: within the recording.
         friction: coefficient of sliding friction.
         series: along the motion; None if there is no contact.
     """

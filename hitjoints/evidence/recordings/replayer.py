@@ -29,10 +29,10 @@ from hitjoints.model.robot import Contact, Robot
 from hitjoints.vectors import unit
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
     from xarray import Dataset
 
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 TOOL = (0.0, 0.0, 0.15)
 """m: the point that hits in the public data set, in the last joint's frame."""

@@ -20,12 +20,11 @@ from hitjoints.impact.elastic import elastic_impact
 from hitjoints.impact.inertia_models import impact_inertia
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from hitjoints.evidence.recordings.replayed_hit import ReplayedHit
     from hitjoints.model.robot import Contact, Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 CONTACT = 0.02
 """s, how long the recorded hits of the public data set last: 15 to 25 ms."""

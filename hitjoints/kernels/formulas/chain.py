@@ -37,8 +37,10 @@ class ChainLink:
         translation: origin in the previous link's frame (m); zero for the first.
         inertia: regrouped inertial parameters in this frame.
         armature: rotor inertia on the diagonal of M (kg m^2, or kg for a prismatic joint).
-        lower, upper: position limits (rad or m), infinite if there is none.
-        slowest, fastest: velocity limits (rad/s or m/s), infinite if there is none.
+        lower: position limits (rad or m), infinite if there is none.
+        upper: position limits (rad or m), infinite if there is none.
+        slowest: velocity limits (rad/s or m/s), infinite if there is none.
+        fastest: velocity limits (rad/s or m/s), infinite if there is none.
     """
 
     prismatic: bool

@@ -50,7 +50,8 @@ def principal(a: list[Scalar], b: list[Scalar], floor: Scalar) -> tuple[list[Sca
     A row that is no longer than a floor is zero: rounding alone would make it a constraint.
 
     Args:
-        a, b: (n,) each.
+        a: (n,) each.
+        b: (n,) each.
         floor: square of the floor.
     """
     aa, bb, ab = product(a, a), product(b, b), product(a, b)

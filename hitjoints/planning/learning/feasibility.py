@@ -45,11 +45,10 @@ from hitjoints.vectors import points, real, unit
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 ENDINGS = (".npz",)
 LEAST_SCALE = 1e-3  # of a feature that hardly varies

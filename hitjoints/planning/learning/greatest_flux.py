@@ -10,11 +10,8 @@ from hitjoints.built import kernel_for
 from hitjoints.quantities import place_joint
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.model.robot import Contact, Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 BEYOND = 1 / 3  # share of the positions drawn from the box round the workspace
 

@@ -9,11 +9,8 @@ import numpy as np
 import pinocchio as pin
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.model.robot import Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 @lru_cache(maxsize=16)

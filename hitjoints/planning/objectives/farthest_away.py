@@ -7,12 +7,8 @@ from typing import TYPE_CHECKING
 from hitjoints.planning.objectives.objective import Objective
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from hitjoints.planning.objectives.sight import Sight
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 class FarthestAway(Objective):

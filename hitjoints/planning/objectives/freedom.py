@@ -21,11 +21,8 @@ from hitjoints.quantities import place_joint
 from hitjoints.tolerances import rank_floor
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.model.robot import Contact, Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 SLACK = 5e-7
 """m along a blind direction that a contact may miss the object by: half of what a plan promises."""

@@ -21,12 +21,9 @@ from hitjoints.planning.objectives.straight import straight_velocities
 from hitjoints.planning.search.climb import Values
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.planning.objectives.objective import Objective
     from hitjoints.planning.task import Task
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 AWAY_MARGIN = 1e-6
 """The away condition is strict; h . (chi_{k+1} - chi_k) <= -1e-6 m is closed, and implies it."""

@@ -9,11 +9,8 @@ import numpy as np
 from hitjoints.planning.objectives.objective import Objective
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.planning.objectives.sight import Sight
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 class MostInertia(Objective):

@@ -6,12 +6,8 @@ from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, ClassVar
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from hitjoints.planning.objectives.sight import Sight
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 class Objective(ABC):

@@ -12,11 +12,8 @@ from hitjoints.planning.objectives.geometry import bend
 from hitjoints.tolerances import rank_floor
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.planning.objectives.hit_problem import HitProblem
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 LEAST_MOBILITY = 1e-12
 """1/kg: where a contact is harder to move than this it does not hit along the direction."""

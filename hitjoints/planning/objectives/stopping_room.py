@@ -14,9 +14,7 @@ from hitjoints.hitting.drive_limits import WITHIN, DriveLimits
 from hitjoints.hitting.velocity_box import ROOM, velocity_box
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 
 class StoppingRoom:

@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 PARALLEL = 1e-9  # sine of the angle below which two lateral velocities are parallel
 LEVEL = 1e-9  # reduced speeds below this share of the greatest pull vanish

@@ -6,10 +6,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from hitjoints.types import Array
 
-    Array = NDArray[np.float64]
     Boxes = tuple[Array, Array]
 
 

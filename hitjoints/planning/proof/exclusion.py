@@ -19,11 +19,8 @@ from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN
 from hitjoints.planning.proof.branching import branch
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.planning.task import Task
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 MOST_BOXES = 40_000
 ROUNDING = 1e-12  # m, of the constants, which are rounded when recorded

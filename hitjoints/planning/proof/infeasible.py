@@ -14,13 +14,10 @@ from hitjoints.planning.proof.exclusion import exclude
 from hitjoints.planning.words import told_apart, vector
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.kernels import Placement
     from hitjoints.planning.search.groups import Found
     from hitjoints.planning.task import Task
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 MOST_COMPARED = 64
 TOGETHER = 1e-9  # m: origins closer than this are one point

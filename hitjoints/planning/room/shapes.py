@@ -15,11 +15,8 @@ from hitjoints.errors import ModelError
 from hitjoints.model.meshes import MeshError, convex_hull
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.model.robot import Contact, Robot
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 ALWAYS_NEAR = 0.15
 """m: links that never get further apart than this are close by construction."""

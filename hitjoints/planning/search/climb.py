@@ -20,7 +20,8 @@ from hitjoints.planning.search.face import Face, find_face, shortest, tangents
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
+
     Mask = NDArray[np.bool_]
 
 ON_MANIFOLD = 1e-10

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from hitjoints.planning.search.climb import Problem, Values
+    from hitjoints.types import Array
 
-    Array = NDArray[np.float64]
     Mask = NDArray[np.bool_]
 
 PASSES = 8  # to settle which bounds and constraints press

@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 
     from hitjoints.planning.objectives.hit_problem import HitProblem
     from hitjoints.planning.search.sampler import Sampler
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 GROUPS = 4
 SAMPLES = 512  # per group

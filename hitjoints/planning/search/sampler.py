@@ -9,11 +9,8 @@ import numpy as np
 from hitjoints.quantities import place_joint
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from hitjoints.planning.task import Task
-
-    Array = NDArray[np.float64]
+    from hitjoints.types import Array
 
 SCATTER = 0.5  # rad, noise of a variant
 
