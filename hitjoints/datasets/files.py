@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 DATASET_ENDINGS = (".zarr", ".nc", ".csv")
 MAP_ENDINGS = (".zarr",)
+LOOKS = 4
+"""At a scratch folder that is gone after a failure, 0.05 s apart, until it counts as gone."""
 TRIES = 20
 """At removing a scratch folder."""
 
@@ -123,13 +125,17 @@ def resolved(path: Path) -> Path:
 def scratch_beside(path: Path) -> Iterator[Path]:
     """Yield a path on the same disk, whose folder is gone afterwards with what is left in it."""
     scratch = Path(tempfile.mkdtemp(dir=path.parent, prefix=".hitjoints."))
+    looks = LOOKS
     try:
         yield scratch / f"made{path.suffix}"
+        looks = 1
     finally:
-        # Threads of zarr's may still be writing when one of them was refused.
+        # Threads of zarr's may still be writing when one of them was refused, and make the folder
+        # anew that was just removed: it has to stay away.
         for _ in range(TRIES):
             shutil.rmtree(scratch, ignore_errors=True)
-            if not scratch.exists():
+            looks = LOOKS if scratch.exists() else looks - 1
+            if looks <= 0:
                 break
             time.sleep(0.05)
 
