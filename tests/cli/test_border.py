@@ -22,7 +22,8 @@ def started(*words, **options):
 
 
 SIGNALLED = """
-import os, sys, threading
+import os, signal, sys, threading
+signal.signal(signal.SIGINT, signal.default_int_handler)  # not ignored, as it may be here
 from hitjoints.cli import main
 after, number = float(sys.argv.pop(1)), int(sys.argv.pop(1))
 threading.Timer(after, os.kill, (os.getpid(), number)).start()
