@@ -91,6 +91,8 @@ def hit(
 
     if new is not None:
         _write_new(new)
+        if as_json:
+            print_json({"hit": load_hit(new).as_dict(), "files": [str(new)]})
         return
     if out is not None:
         _check_folder(out, file)

@@ -14,6 +14,8 @@ from hitjoints.swings.make_swing import MARGIN, swing
 from hitjoints.version import __version__
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from hitjoints.hit import Hit
     from hitjoints.model.robot import Robot
     from hitjoints.planning.candidates import Candidate
@@ -115,7 +117,8 @@ def answer(hit: Hit, robot: Robot | None = None, *, tolerance: float = TOLERANCE
         verdict: Verdict = "sendable" if made.sendable else "not sendable"
         rest = _landing(arm, chosen, made, tolerance)
         return Answer(arm, chosen, verdict, made.why, replace(planned, best=one), made, rest)
-    return Answer(arm, hit, "no", "; ".join(reasons), planned, nearest=_nearest(arm, hit))
+    nearest = _slower(arm, hit, able) if able else _nearest(arm, hit)
+    return Answer(arm, hit, "no", "; ".join(reasons), planned, nearest=nearest)
 
 
 def _arm(hit: Hit) -> Robot:
@@ -148,11 +151,30 @@ def _nearest(arm: Robot, hit: Hit) -> Nearest | None:
     """Return the most that can be had; None if the object cannot be hit at all."""
     if hit.flux is None:
         return None
-    anyhow = {"goal": None, "object_speed": None, "flux": None, "direction": hit.direction}
-    best = _planned(arm, hit.changed(**anyhow)).best
+    best = _planned(arm, _anyhow(hit)).best
     if best is None or not best.deliverable_flux:
         return None
     return nearest_hit(hit, best.joint, best.inertia, best.deliverable_flux)
+
+
+def _slower(arm: Robot, hit: Hit, able: Sequence[Candidate]) -> Nearest | None:
+    """Return the most that a motion delivers, where limits would allow more; None if none less."""
+    if hit.flux is None:
+        return None
+    found = None
+    for one in able:
+        try:
+            made = _swing(arm, _anyhow(hit).with_contact(Contact(one.joint, one.offset)), one)
+        except InfeasibleError:
+            continue
+        if made.flux < hit.flux and (found is None or made.flux > found.flux):
+            found = nearest_hit(hit, one.joint, made.inertia, made.flux)
+    return found
+
+
+def _anyhow(hit: Hit) -> Hit:
+    """Return the same hit along its direction, however hard."""
+    return hit.changed(goal=None, object_speed=None, flux=None, direction=hit.direction)
 
 
 def _landing(arm: Robot, hit: Hit, made: Swing, tolerance: float) -> Landing | None:

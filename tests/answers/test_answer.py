@@ -1,13 +1,14 @@
 """From a wish to a verdict, and back: what is promised can be had."""
 
 import json
+import sys
 
 import numpy as np
 import pytest
 
 import hitjoints as hj
 from hitjoints.answers.nearest import nearest_hit
-from hitjoints.errors import InputError
+from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.hit_loading import load_hit
 
 WISH = """
@@ -71,6 +72,23 @@ def test_what_can_be_had_instead_is_granted(refused, tmp_path):
     assert again.verdict == "sendable"
 
 
+def test_what_a_motion_cannot_do_is_not_offered_instead(monkeypatch, granted):
+    """Limits would allow it, and no stroke was found: what is offered is what a motion delivers."""
+    module = sys.modules["hitjoints.answers.answer"]
+    real, hit = module.swing, granted.hit
+
+    def stubborn(robot, asked, **options):
+        if asked.flux is not None:
+            raise InfeasibleError("no stroke found")
+        return real(robot, hit.with_flux(0.5 * hit.desired_flux), **options)
+
+    monkeypatch.setattr(module, "swing", stubborn)
+    found = hj.answer(hit, granted.robot)
+    assert found.verdict == "no"
+    assert found.nearest.flux == pytest.approx(0.5 * hit.desired_flux, rel=1e-6)
+    assert found.nearest.distance == pytest.approx(0.25 * 0.2, rel=1e-5)
+
+
 def test_the_heaviest_object_is_that_of_eq_4():
     hit = hj.Hit(7, (0.5, 0.2, 0.4), (0, 1, 0), 4.0, flux=0.5)
     found = nearest_hit(hit, 7, inertia=3.0, flux=0.4)
@@ -119,7 +137,9 @@ def test_a_no_ends_with_3(run, tmp_path):
 
 def test_a_new_file_runs_unchanged(run, tmp_path):
     path = tmp_path / "hit.toml"
-    assert run("hit", "--new", path).code == 0
+    made = run("hit", "--new", path, "--json")
+    assert made.code == 0
+    assert json.loads(made.out)["files"] == [str(path)]
     assert run("hit", path, "--json").code == 0
     again = run("hit", "--new", path)
     assert again.code == 1
