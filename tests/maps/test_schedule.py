@@ -1,5 +1,8 @@
 """Where blocks are computed, and what ends them early."""
 
+import _thread
+import signal
+import threading
 import time
 
 import numpy as np
@@ -24,17 +27,15 @@ def test_who_asks_for_no_more_blocks_does_not_wait():
     asked = question(200_000)
     grid = make_grid([0.3, 0.4, 0.5], [0.3], np.linspace(0.3, 0.6, 500), 500)
     blocks = run_blocks(asked, grid, [(0, 0, 0), (1, 0, 0), (2, 0, 0)], threads=1)
-
-    def stop(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    import _thread
-    import threading
-
-    threading.Timer(0.5, _thread.interrupt_main).start()
-    begun = time.monotonic()
-    with pytest.raises(KeyboardInterrupt):
-        next(blocks)
+    # The tests may run where Ctrl-C is ignored.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        threading.Timer(0.5, _thread.interrupt_main).start()
+        begun = time.monotonic()
+        with pytest.raises(KeyboardInterrupt):
+            next(blocks)
+    finally:
+        signal.signal(signal.SIGINT, before)
     blocks.close()
     assert time.monotonic() - begun < 20
 
