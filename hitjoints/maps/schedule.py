@@ -142,9 +142,14 @@ def _task(
 def _cluster(scheduler: str) -> Any:
     try:
         import distributed
+        from distributed.comm.addressing import parse_address, parse_host_port
     except ImportError:
         raise MissingExtraError("distributed", "dask") from None
     try:
+        # A client of an address that is none hangs when it is thrown away.
+        protocol, place = parse_address(scheduler)
+        if protocol in ("tcp", "tls", "ws", "wss"):
+            parse_host_port(place)
         return distributed.Client(scheduler, timeout=CONNECT_TIMEOUT, set_as_default=False)
     except (OSError, ValueError) as error:
         raise InputError("scheduler", scheduler, f"no Dask scheduler answers ({error})") from None

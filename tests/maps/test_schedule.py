@@ -73,3 +73,15 @@ def test_a_cluster_that_goes_away(tmp_path, how):
     assert "\n" not in str(told.value)
     hj.sweep_workspace(robot, *grid, H[0], 2.0, joints=[6], samples=20, out=tmp_path / "map.zarr")
     assert hj.open_map(tmp_path / "map.zarr").sizes["x"] == 60
+
+
+@pytest.mark.parametrize("address", ["\n", "nowhere", "tcp://nowhere", "tcp://nowhere:port"])
+def test_an_address_that_is_none_is_refused_at_once(address):
+    pytest.importorskip("distributed")
+    begun = time.monotonic()
+    with pytest.raises(InputError, match="scheduler"):
+        hj.sweep_workspace(
+            hj.load_robot("iiwa14"), [0.4], [0.3], [0.5], joints=[6], directions=H, mass=2.0,
+            samples=2, scheduler=address,
+        )  # fmt: skip
+    assert time.monotonic() - begun < 5
