@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -256,10 +255,9 @@ def check_mass(mass: float) -> None:
     Raises:
         InputError: not above zero, or not finite.
     """
-    from hitjoints.errors import InputError
+    from hitjoints.vectors import positive_mass
 
-    if not (mass > 0 and math.isfinite(mass)):
-        raise InputError("mass", mass, "an object weighs more than 0 kg")
+    positive_mass(mass)
 
 
 def _only(name: str, values: Sequence[T]) -> T:

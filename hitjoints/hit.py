@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hitjoints.constants import GRAVITY
 from hitjoints.errors import InputError, UnknownNameError
 from hitjoints.hit_setting import USUAL, HitSetting
 from hitjoints.impact.flux import flux as flux_at
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
 HOW_HARD = ("goal", "flux", "object_speed")
 """Ways to say how hard the hit is to be; at most one of them."""
 
-GRAVITY = 9.81
-"""m/s^2."""
 
 LEAST_FLUX = 1e-6
 """m/s, the least flux that is a hit: an object so hit moves its own length in a day."""

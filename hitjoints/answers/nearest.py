@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.hit import GRAVITY
+from hitjoints.constants import GRAVITY
 
 if TYPE_CHECKING:
     from hitjoints.hit import Hit

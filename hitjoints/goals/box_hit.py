@@ -12,13 +12,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hitjoints.constants import GRAVITY
 from hitjoints.errors import InfeasibleError
 
 if TYPE_CHECKING:
     from hitjoints.types import Array
 
-GRAVITY = 9.81
-"""m/s^2."""
 STEEPEST = 0.75
 """Greatest friction x height / length of a box that slides on its face, not on its front edge."""
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from hitjoints.constants import GRAVITY
 from hitjoints.errors import InputError, UnknownNameError
 from hitjoints.vectors import points
 
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     from hitjoints.types import Array
 
 Support = Literal["face", "corners"]
-GRAVITY = 9.81
-"""m/s^2."""
 NODES = 8
 """Gauss points along an edge of the face."""
 STEP = 0.15

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -27,7 +26,7 @@ from hitjoints.planning.room.surroundings import Surroundings
 from hitjoints.planning.start import Start, fastest_start, plan_start
 from hitjoints.planning.task import Task
 from hitjoints.planning.torque_cost import torque_cost
-from hitjoints.vectors import points, unit
+from hitjoints.vectors import points, positive_mass, unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -101,8 +100,7 @@ def plan(  # noqa: PLR0913
         raise InputError("flux", flux, f"{objective} needs the flux to be reached (m/s)")
     if flux is not None:
         check_flux(flux)
-    if not (math.isfinite(mass) and mass > 0):
-        raise InputError("mass", mass, "an object weighs more than 0 kg")
+    mass = positive_mass(mass)
     if seed < 0:
         raise InputError("seed", seed, "a seed is not negative")
     contacts = robot.contacts(joints)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hitjoints.evidence.physics.simulation import GRAVITY
+from hitjoints.constants import GRAVITY
 from hitjoints.show.figures import COLOURS, colour_of
 
 if TYPE_CHECKING:

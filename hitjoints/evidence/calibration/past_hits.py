@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from hitjoints.constants import GRAVITY
 from hitjoints.errors import InputError
 from hitjoints.evidence.calibration.landing_law import LEVEL, LandingInterval, LandingLaw
 from hitjoints.evidence.calibration.landing_rows import PastLanding, read
@@ -18,8 +19,6 @@ from hitjoints.evidence.calibration.landing_rows import PastLanding, read
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-GRAVITY = 9.81
-"""m/s^2."""
 RESTITUTION = 0.5
 """Assumed where only landings are known: they tell (1 + eps)^2 / mu, not the two of them."""
 LEAST_ROWS = 8

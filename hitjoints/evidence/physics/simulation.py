@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hitjoints.constants import GRAVITY
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.evidence.physics.engine_scene import ImpactState, is_level
 from hitjoints.evidence.physics.setting import EngineSetting, Mode, setting
@@ -33,8 +34,6 @@ if TYPE_CHECKING:
 
 ELASTIC_CONTACT = 0.01
 """s, of a hit on elastic joints: in a shorter one they take no part."""
-GRAVITY = 9.81
-"""m/s^2, of the engine too."""
 
 
 @by_first_argument

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hitjoints.constants import GRAVITY
 from hitjoints.evidence.recordings import fits
 from hitjoints.evidence.recordings.contact import REST_ROWS
 from hitjoints.evidence.recordings.csv_table import RecordingError
@@ -16,8 +17,6 @@ if TYPE_CHECKING:
     from hitjoints.evidence.recordings.layout import Clock
     from hitjoints.types import Array
 
-GRAVITY = 9.81
-"""m/s^2; the table is taken to be level."""
 
 REST_SPEED, REST_TIME = 0.02, 0.1
 """m/s and s: an object slower than that over so long at the end has come to rest."""

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from hitjoints.constants import GRAVITY
 from hitjoints.evidence.recordings import fits
 from hitjoints.evidence.recordings.alignment import SAME_ROBOT
 from hitjoints.evidence.recordings.contact import NotHitError, Touch, from_object, from_robot
 from hitjoints.evidence.recordings.csv_table import RecordingError
-from hitjoints.evidence.recordings.glide import GRAVITY, measure_glide
+from hitjoints.evidence.recordings.glide import measure_glide
 from hitjoints.evidence.recordings.hit_files import FoundFiles
 from hitjoints.evidence.recordings.layout import ObjectRecording, RobotRecording, read_object
 from hitjoints.evidence.recordings.motion import RecordedMotion

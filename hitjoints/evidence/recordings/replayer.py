@@ -26,7 +26,7 @@ from hitjoints.evidence.recordings.shown_mass import (
 from hitjoints.loading.catalogue import robot_names
 from hitjoints.loading.load import load_robot
 from hitjoints.model.robot import Contact, Robot
-from hitjoints.vectors import unit
+from hitjoints.vectors import positive_mass, unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -128,8 +128,8 @@ def replay(  # noqa: PLR0913
         InputError: an argument cannot be used.
         ModelError: the robot cannot be loaded.
     """
-    if mass is not None and not (np.isfinite(mass) and mass > 0):
-        raise InputError("mass", mass, "an object weighs more than 0 kg")
+    if mass is not None:
+        positive_mass(mass)
     if restitution is not None and not 0 <= restitution <= 1:
         raise InputError("restitution", restitution, "it must lie from 0 to 1")
     h = None if direction is None else unit(direction)

@@ -1,0 +1,4 @@
+"""Constants of nature, as everybody here uses them."""
+
+GRAVITY = 9.81
+"""m/s^2."""
