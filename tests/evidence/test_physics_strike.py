@@ -9,7 +9,8 @@ import pytest
 
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InputError, SolverError
-from hitjoints.evidence.physics.engine_scene import ImpactState, build_scene
+from hitjoints.evidence.physics.engine_scene import build_scene
+from hitjoints.evidence.physics.first_touch import ImpactState
 from hitjoints.evidence.physics.setting import EngineSetting, setting
 from hitjoints.evidence.physics.simulation import simulate
 from hitjoints.evidence.physics.slide import slide
