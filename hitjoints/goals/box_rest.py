@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.dynamics.inertia import inverse_inertia
 from hitjoints.goals.box_hit import Boxes, Departure, hit_boxes
 from hitjoints.goals.sliding import Rest, Support, slide_to_rest
+from hitjoints.impact.shown_inertia import shown_mobility
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -147,7 +147,8 @@ def send_boxes(
     Raises:
         InfeasibleError: a box would be missed, tip, or slide on its edge.
     """
-    mobility = inverse_inertia(robot, q, hit.chosen_contact)[:2, :2]
+    contact, drives = robot.contact(hit.chosen_contact), hit.setting.drives
+    mobility = shown_mobility(robot, robot.one_configuration(q), contact, hit, drives)[:2, :2]
     normal = np.column_stack((np.cos(boxes.yaw), np.sin(boxes.yaw))) @ level_axes(hit).T
     felt = 1 / np.einsum("na,ab,nb->n", normal, mobility, normal)
     left = hit_boxes(boxes, felt, speed, restitution)
