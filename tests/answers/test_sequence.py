@@ -1,6 +1,7 @@
 """Several hits: the map and the graph they are found with, and a goal reached in the engine."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -59,7 +60,7 @@ def test_a_way_takes_the_fewest_hits_and_goes_along_faces(robot):
     assert graph.best(1) == []
     way = graph.best(4)
     assert len(way) == 3
-    for start, end in zip(way, way[1:], strict=False):
+    for start, end in pairwise(way):
         leg = graph.leg(start, end)
         assert np.abs((leg.end - leg.start)[:2] @ graph.axes.T).min() < 1e-9
     graph.forbid(way[0], way[1])
@@ -76,7 +77,7 @@ def test_no_way_passes_the_base(robot):
     graph = WayGraph(robot, opposite)
     assert graph.best(1) == []
     way = graph.places[graph.best(6), :2]
-    for a, b in zip(way, way[1:], strict=False):
+    for a, b in pairwise(way):
         points = a + np.linspace(0, 1, 50)[:, None] * (b - a)
         assert np.linalg.norm(points, axis=1).min() > 0.2
 
