@@ -9,11 +9,10 @@ import numpy as np
 
 from hitjoints.swings.clear_way import Clear, Obstacle, Room
 from hitjoints.swings.curves import Joints, Motion, Piece, Standing, Stroke
-from hitjoints.swings.impact_state import impact_velocity
+from hitjoints.swings.impact_state import StateAtHit, impact_velocity
 from hitjoints.swings.motion_limits import greatest_ratios, torques
 from hitjoints.swings.stroke_search import StrokeSearch
 from hitjoints.swings.way_there import way_there
-from hitjoints.swings.wind_ups import Strike
 
 if TYPE_CHECKING:
     from collections import Counter
@@ -90,7 +89,7 @@ class StrikeMaker:
         if qd is None:
             self.reasons["no certified velocity"] += 1
             return None
-        strike = Strike(samples.q[row], qd, J, speed)
+        strike = StateAtHit(samples.q[row], qd, J, speed)
         for stroke, reason in self.search.strokes(strike, box):
             whole = reason if stroke is None else self._whole(stroke, box)
             if not isinstance(whole, str):

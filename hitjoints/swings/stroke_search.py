@@ -11,9 +11,10 @@ from hitjoints.built import kernel_for
 from hitjoints.swings.clear_way import Obstacle, Room
 from hitjoints.swings.curves import Joints, Stroke, slowing_down, winding_up
 from hitjoints.swings.hit_samples import COAST
+from hitjoints.swings.impact_state import StateAtHit
 from hitjoints.swings.motion_limits import torques
 from hitjoints.swings.ramps import Ramp, least_time, ramp_of
-from hitjoints.swings.wind_ups import FACTORS, RUN_UP, Strike, WindUpFamilies, WindUps
+from hitjoints.swings.wind_ups import FACTORS, RUN_UP, WindUpFamilies, WindUps
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -57,7 +58,9 @@ class StrokeSearch:
         self._across = np.linalg.svd(hit.direction[None, :])[2][1:]
         self._seen = kernel_for(robot, (self._contact,), ("position", "jacobian"))
 
-    def strokes(self, strike: Strike, box: Obstacle | None) -> Iterator[tuple[Stroke | None, str]]:
+    def strokes(
+        self, strike: StateAtHit, box: Obstacle | None
+    ) -> Iterator[tuple[Stroke | None, str]]:
         """Yield strokes, straight ones first, or None and what is in the way: a word."""
         families = WindUpFamilies(self._robot, self._hit, self._limits, strike)
         stops: dict[bytes, tuple[Ramp | None, str]] = {}
@@ -71,7 +74,7 @@ class StrokeSearch:
     def _tried(
         self,
         family: WindUps,
-        strike: Strike,
+        strike: StateAtHit,
         box: Obstacle | None,
         stops: dict[bytes, tuple[Ramp | None, str]],
         seen: set[str],
@@ -94,7 +97,7 @@ class StrokeSearch:
             stroke = stop and Stroke(*strike[:2], curvature, ramp, COAST / strike.speed, stop)
             yield stroke, blocked
 
-    def _approaches(self, family: WindUps, strike: Strike) -> tuple[Joints, Array, list[str]]:
+    def _approaches(self, family: WindUps, strike: StateAtHit) -> tuple[Joints, Array, list[str]]:
         """Return wind-ups along time (K, M, n), the way to the object (K, M) m, and what is wrong.
 
         Moments are even, with some more where the direction counts.
@@ -169,7 +172,7 @@ class StrokeSearch:
                 return COLLISION
         return ""
 
-    def _stop(self, strike: Strike, curvature: Array) -> tuple[Ramp | None, str]:
+    def _stop(self, strike: StateAtHit, curvature: Array) -> tuple[Ramp | None, str]:
         """Return the fastest stop that fits, or None and what is in the way of the slowest."""
         robot, size = self._robot, np.maximum(np.abs(strike.qd), 1e-9)
         a, j = self._limits.acceleration_used / size, self._limits.jerk_used / size

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from hitjoints.quantities import place_joint
-from hitjoints.swings.impact_state import straightening
+from hitjoints.swings.impact_state import StateAtHit, straightening
 from hitjoints.swings.ramps import Ramp, least_time, ramp_of
 
 if TYPE_CHECKING:
@@ -29,22 +29,6 @@ SMALL = 1e-6
 """Share of a Jacobian's size below which there is no motion."""
 SWERVES = 6
 """Random curves with the same path of the contact near the impact, for each time."""
-
-
-class Strike(NamedTuple):
-    """A configuration and its joint velocity at the impact.
-
-    Attributes:
-        q: (n,) rad.
-        qd: (n,) rad/s.
-        J: (3, n) m/rad.
-        speed: m/s along the direction.
-    """
-
-    q: Array
-    qd: Array
-    J: Array
-    speed: float
 
 
 class WindUps(NamedTuple):
@@ -69,7 +53,7 @@ class WindUpFamilies:
         strike: how they are to end.
     """
 
-    def __init__(self, robot: Robot, hit: Hit, limits: DriveLimits, strike: Strike) -> None:
+    def __init__(self, robot: Robot, hit: Hit, limits: DriveLimits, strike: StateAtHit) -> None:
         self._robot, self._hit, self._limits, self._strike = robot, hit, limits, strike
         self._together = _ramps(robot, limits, strike, individual=False)
         self._bent, self._widths = _bent(robot, hit, limits, strike)
@@ -107,7 +91,7 @@ def _all(parts: list[tuple[Array, Ramp]]) -> WindUps:
     return WindUps(curvature, Ramp(np.concatenate(times), np.concatenate(builds)))
 
 
-def _ramps(robot: Robot, limits: DriveLimits, strike: Strike, *, individual: bool) -> Ramp:
+def _ramps(robot: Robot, limits: DriveLimits, strike: StateAtHit, *, individual: bool) -> Ramp:
     """Return ramps (K, n) of increasing times, of joints together or as their room allows."""
     size = np.maximum(np.abs(strike.qd), 1e-9)
     a, j = limits.acceleration_used / size, limits.jerk_used / size
@@ -123,7 +107,7 @@ def _ramps(robot: Robot, limits: DriveLimits, strike: Strike, *, individual: boo
     return ramp_of(np.minimum(tried, most), a, j)
 
 
-def _bent(robot: Robot, hit: Hit, limits: DriveLimits, strike: Strike) -> tuple[Array, Array]:
+def _bent(robot: Robot, hit: Hit, limits: DriveLimits, strike: StateAtHit) -> tuple[Array, Array]:
     """Return the curvature with which the contact's path bends sideways as little as can be.
 
     Joints at their velocity limits cannot come from a higher velocity, and none can bend more than
