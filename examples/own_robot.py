@@ -6,8 +6,6 @@ from pathlib import Path
 import numpy as np
 
 import hitjoints as hj
-from hitjoints.hit import Hit
-from hitjoints.rollouts.follow import rollout
 
 LINK = """
   <link name="link_{i}"><inertial><origin xyz="0.15 0 0"/><mass value="1.5"/>
@@ -33,7 +31,7 @@ start = np.array([0.3, 0.8, -0.5, 0.2])
 contact = hj.Contact(4, offset=(0.1, 0.05, 0.0))  # the surface of the last link
 away = np.array([-1.0, 0.3, 0.0])
 target = hj.position(robot, start, contact) + 0.15 * away
-result = rollout(robot, Hit(contact, target, away, mass=0.5, flux=0.1), q0=start)
+result = hj.rollout(robot, hj.Hit(contact, target, away, mass=0.5, flux=0.1), q0=start)
 assert result.impact is not None, result.reason
 print(f"{robot.name}: {robot.n} joints, hit with {contact}")
 print(f"inertia {result.impact.inertia:.3f} kg, flux {result.impact.flux:.4f} m/s")
