@@ -12,7 +12,7 @@ author = "the hitjoints authors"
 copyright = "2026, the hitjoints authors"
 release = version = __version__
 extensions = [
-    "myst_parser",
+    "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "command_reference",
@@ -25,6 +25,7 @@ autodoc_typehints_description_target = "all"
 autodoc_member_order = "bysource"
 napoleon_google_docstring = True
 napoleon_use_ivar = True
+nb_execution_mode = "off"  # shown as it was run; the tests run it again
 html_theme = "furo"
 html_title = "hitjoints"
 html_math_renderer = "mathml"

@@ -14,7 +14,7 @@ from typing import NamedTuple
 ROOT = Path(__file__).parents[2]
 NOTE = re.compile(r"<!-- (not run|exit code|file): (.+?) -->")
 FENCE = re.compile(r"(`{3,})(\S*)(?: .*)?$")
-FILE_KINDS = ("toml", "xml", "csv", "json")
+FILE_KINDS = ("toml", "xml")
 KINDS = ("console", "python", "text", "bibtex", *FILE_KINDS)
 
 
@@ -29,10 +29,8 @@ class Block(NamedTuple):
     @property
     def file(self) -> str | None:
         """The name of the file that it shows, if it is one."""
-        if self.kind not in FILE_KINDS:
-            return None
-        named = re.match(r"(?:<!--|#) ([\w.]+\.\w+)", self.text)
-        return self.notes.get("file") or (named and named[1])
+        named = self.kind in FILE_KINDS and re.match(r"(?:<!--|#) ([\w.]+\.\w+)", self.text)
+        return named[1] if named else self.notes.get("file")
 
     @property
     def directive(self) -> bool:
@@ -88,10 +86,9 @@ def spans(page: Path) -> list[list[str]]:
 
 
 def tokens(text: str) -> list[str | float]:
-    """Return the words and numbers of a printed text, without the lines of its tables."""
-    words = re.sub(r"[^\w.,:;=%/()+<>'*-]+", " ", text).replace("─", " ").split()
-    parts = [part for word in words for part in re.findall(r"-?\d+\.?\d*(?:e-?\d+)?|[^\d\s]+", word)]
-    return [float(part) if re.match(r"-?\d", part) else part for part in parts]
+    """Return the words and numbers of a printed text, without punctuation and tables' lines."""
+    parts = re.findall(r"-?\d+\.?\d*(?:e-?\d+)?|[^\W\d]+|%", text)
+    return [float(part) if part.strip("-")[0].isdigit() else part for part in parts]
 
 
 def says(printed: str, line: str, tolerance: float = 0.02) -> bool:
