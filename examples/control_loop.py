@@ -3,6 +3,8 @@
 Replace `Arm` by what talks to your robot: it reports joint positions and takes velocities.
 """
 
+from time import perf_counter
+
 import mujoco
 import numpy as np
 
@@ -50,8 +52,11 @@ found = hj.plan(
 controller = hj.Controller(robot, hit, found.best.q, dt=PERIOD)
 arm = Arm(robot, found.start.q)
 
-for steps in range(3000):  # a loop on a robot is bounded, too
+taken = []  # s, by each step
+while len(taken) < 3000:  # a loop on a robot is bounded, too
+    began = perf_counter()
     qd = controller.step(arm.read())
+    taken.append(perf_counter() - began)
     if controller.arrived:
         break
     arm.command(qd)
@@ -61,6 +66,7 @@ last = controller.last
 velocity = hj.jacobian(robot, arm.data.qpos, 6) @ arm.data.qvel
 speed = velocity @ hit.direction
 miss = 1e3 * np.linalg.norm(last.position - hit.position)
-print(f"at the object after {steps} steps of {1e3 * PERIOD:g} ms, {miss:.2f} mm off")
+print(f"{miss:.2f} mm off after {len(taken)} steps of {1e3 * PERIOD:g} ms")
+print(f"a step takes {1e6 * np.median(taken):.0f} us (median)")
 print(f"inertia {last.inertia:.2f} kg, aimed for {last.desired_inertia:.2f} kg")
 print(f"flux {hj.hitting_flux(last.inertia, hit.mass, speed):.3f} m/s, {hit.flux:g} m/s wanted")

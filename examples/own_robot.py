@@ -8,7 +8,7 @@ import numpy as np
 import hitjoints as hj
 
 LINK = """
-  <link name="link_{i}"><inertial><origin xyz="0.15 0 0"/><mass value="1.5"/>
+  <link name="link_{i}"><inertial><origin xyz="0.15 0 0"/><mass value="{mass}"/>
     <inertia ixx="0.002" iyy="0.012" izz="0.012" ixy="0" ixz="0" iyz="0"/></inertial></link>
   <joint name="joint_{i}" type="revolute"><parent link="{parent}"/><child link="link_{i}"/>
     <origin xyz="0.3 0 0"/><axis xyz="0 0 1"/>
@@ -18,7 +18,9 @@ LINK = """
 def urdf(joints: int) -> str:
     """Return an arm of equal links, 0.3 m long, that turn about z."""
     parents = ["base", *(f"link_{i}" for i in range(1, joints))]
-    links = "".join(LINK.format(i=i, parent=parent) for i, parent in enumerate(parents, start=1))
+    links = "".join(
+        LINK.format(i=i, parent=p, mass=2 - 0.2 * i) for i, p in enumerate(parents, start=1)
+    )
     return f'<robot name="planar"><link name="base"/>{links}</robot>'
 
 

@@ -15,8 +15,9 @@ def outputs(notebook):
             text, figures = "", 0
             for output in cell.outputs:
                 data = output.get("data", {})
-                text += output.get("text", "") + ("" if data.get("image/png") else data.get("text/plain", ""))
-                figures += "image/png" in data
+                drawn = "image/png" in data
+                figures += drawn
+                text += output.get("text", "") + ("" if drawn else data.get("text/plain", ""))
             found.append((text, figures))
     return found
 
