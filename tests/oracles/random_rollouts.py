@@ -65,10 +65,12 @@ def feasible_hits(
     refused: Counter[str] | None = None,
     *,
     away: bool = True,
+    level: bool = False,
 ) -> Iterator[tuple[Hit, Preparation]]:
     """Yield random hits that a plan reaches with a run-up; `refused` counts the others.
 
     Without `away` the links beyond the joint may point anywhere: the panda has no other hits.
+    With `level` all directions are horizontal.
     """
     rng = np.random.default_rng(seed)
     refused = Counter() if refused is None else refused
@@ -80,6 +82,8 @@ def feasible_hits(
         target = hj.position(robot, rng.uniform(robot.lower, robot.upper), joint)
         direction, mass = rng.standard_normal(3), float(rng.uniform(0.5, 4.0))
         share = float(rng.uniform(0.3, 0.8))
+        if level:
+            direction[2] = 0.0
         best = plan(
             robot,
             target,
