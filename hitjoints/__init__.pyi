@@ -100,6 +100,8 @@ from .quantities import (
     place_joint as place_joint,
 )
 from .rollouts.follow import rollout as rollout
+from .rollouts.many import rollouts as rollouts
+from .rollouts.many_record import Rollouts as Rollouts
 from .show.open_viewer import view as view
 from .swings.make_swing import swing as swing
 from .swings.swing_record import Swing as Swing
