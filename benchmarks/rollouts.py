@@ -1,7 +1,7 @@
 """Thousands of rollouts at once against one by one; broken limits among them.
 
-`python -m benchmarks rollouts` measures; `python -m benchmarks.rollouts 1000` also counts the limits
-that random rollouts of three arms break, half of them from starts at their limits.
+`python -m benchmarks rollouts` measures; `python -m benchmarks.rollouts 1000` also counts the
+limits that random rollouts of three arms break, half of them from starts at their limits.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def different(hit: hj.Hit, count: int) -> list[hj.Hit]:
 
 
 def starts(robot: hj.Robot, hits: list[hj.Hit]) -> tuple[Array, Array]:
-    """Return starts behind the objects and somewhat beside the lines, and hitting configurations."""
+    """Return starts behind the objects, somewhat beside the lines, and hitting configurations."""
     best = hj.plan(robot, AT, H, MASS, [JOINT], "straight-flux", certificate=False).best
     assert best is not None
     begin = fastest_start(robot, best.q, JOINT, H).q

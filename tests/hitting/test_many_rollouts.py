@@ -8,7 +8,7 @@ import pytest
 import hitjoints as hj
 from hitjoints.hitting import step_rows
 from hitjoints.hitting.step import Gains
-from hitjoints.rollouts import many
+from hitjoints.rollouts import side_by_side
 from tests.oracles import random_rollouts as oracle
 
 SUMMARY = (
@@ -102,7 +102,7 @@ def test_hits_are_hits_and_the_hitting_configuration_is_found():
 def test_neither_threads_nor_neighbours_change_a_bit(monkeypatch):
     robot, hit, q0 = near_hits(40)
     first = hj.rollouts(robot, hit, q0, threads=1)
-    monkeypatch.setattr(many, "AT_ONCE", 7)
+    monkeypatch.setattr(side_by_side, "AT_ONCE", 7)
     for rows, threads in ((np.arange(40), 4), (np.arange(5, 17), 2)):
         again = hj.rollouts(robot, hit, q0[rows], threads=threads)
         for name in ("flux", "q", "steps", "torque_ratio_max", "reason", "miss"):
