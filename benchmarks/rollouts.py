@@ -97,14 +97,7 @@ def starts(robot: hj.Robot, hits: list[hj.Hit]) -> tuple[Array, Array]:
 
 def count_violations(count: int) -> dict[str, Any]:
     """Return the limits broken by random rollouts with compiled steps, and how these ended."""
-    asked: list[tuple[Any, ...]] = []
-
-    def noted(robot: hj.Robot, hit: hj.Hit, *, q0: Array, q_hit: Array, **_: Any) -> None:
-        asked.append((robot, hit, q0, q_hit))
-
-    oracle.rollout = noted  # type: ignore[assignment]
-    for _ in oracle.random_rollouts(count):
-        pass
+    asked = list(oracle.random_cases(count))
     ends, broken, steps, certified = Counter[str](), 0, 0, 0
     for robot in dict.fromkeys(each[0] for each in asked):
         mine = [each for each in asked if each[0] is robot]

@@ -1,7 +1,7 @@
 """Where each public name lives: the one list of them. Loaded on first use."""
 
-from .answers.answer import Answer as Answer
 from .answers.answer import answer as answer
+from .answers.answer_record import Answer as Answer
 from .dynamics.inertia import inverse_inertia as inverse_inertia
 from .dynamics.kinematics import (
     FeasibleDirections as FeasibleDirections,

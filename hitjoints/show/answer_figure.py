@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from hitjoints.answers.answer import Answer
+    from hitjoints.answers.answer_record import Answer
     from hitjoints.goals.landing import Landing
     from hitjoints.swings.swing_record import Swing
 
