@@ -34,8 +34,8 @@ def broken_limits(result: Rollout) -> int:
     return int(beyond.sum() + too_fast.sum() + too_strong.sum() + clipped.sum())
 
 
-def random_rollouts(count: int, seed: int = 0, *, torque_limits: bool = False) -> Iterator[Rollout]:
-    """Yield rollouts of three arms from random starts, half of them with joints at a limit."""
+def random_cases(count: int, seed: int = 0) -> Iterator[tuple[Robot, Hit, Any, Any, Any]]:
+    """Yield arm, hit, start, hitting configuration and reference, half from starts at a limit."""
     rng = np.random.default_rng(seed)
     robots = [hj.load_robot(name) for name in ("iiwa14", "iiwa7", "panda")]
     for i in range(count):
@@ -52,7 +52,12 @@ def random_rollouts(count: int, seed: int = 0, *, torque_limits: bool = False) -
             direction = way
         flux = float(rng.uniform(0.05, 1.0))
         hit = Hit(joint, target, direction, float(rng.uniform(0.3, 5.0)), flux)
-        reference: Any = ("optimised", "constant")[i % 2]
+        yield robot, hit, q0, goal, ("optimised", "constant")[i % 2]
+
+
+def random_rollouts(count: int, seed: int = 0, *, torque_limits: bool = False) -> Iterator[Rollout]:
+    """Yield rollouts of three arms from random starts, half of them with joints at a limit."""
+    for robot, hit, q0, goal, reference in random_cases(count, seed):
         yield rollout(
             robot, hit, q0=q0, q_hit=goal, reference=reference, torque_limits=torque_limits
         )
