@@ -37,11 +37,8 @@ def broken_limits(result: Rollout) -> int:
     return int(beyond.sum() + too_fast.sum() + too_strong.sum() + too_hard.sum() + clipped.sum())
 
 
-def random_rollouts(count: int, seed: int = 0, **kept: bool) -> Iterator[Rollout]:
-    """Yield rollouts of three arms from random starts, half of them with joints at a limit.
-
-    `kept` are torque_limits and acceleration_limits, of `rollout`.
-    """
+def random_cases(count: int, seed: int = 0) -> Iterator[tuple[Robot, Hit, Any, Any, Any]]:
+    """Yield arm, hit, start, hitting configuration and reference, half from starts at a limit."""
     rng = np.random.default_rng(seed)
     robots = [hj.load_robot(name) for name in ("iiwa14", "iiwa7", "panda")]
     for i in range(count):
@@ -58,7 +55,15 @@ def random_rollouts(count: int, seed: int = 0, **kept: bool) -> Iterator[Rollout
             direction = way
         flux = float(rng.uniform(0.05, 1.0))
         hit = Hit(joint, target, direction, float(rng.uniform(0.3, 5.0)), flux)
-        reference: Any = ("optimised", "constant")[i % 2]
+        yield robot, hit, q0, goal, ("optimised", "constant")[i % 2]
+
+
+def random_rollouts(count: int, seed: int = 0, **kept: bool) -> Iterator[Rollout]:
+    """Yield rollouts of three arms from random starts, half of them with joints at a limit.
+
+    `kept` are torque_limits and acceleration_limits, of `rollout`.
+    """
+    for robot, hit, q0, goal, reference in random_cases(count, seed):
         yield rollout(robot, hit, q0=q0, q_hit=goal, reference=reference, **kept)
 
 
