@@ -13,6 +13,7 @@ import numpy as np
 
 from hitjoints.errors import ModelError
 from hitjoints.planning.room.shapes import Scene, scene_of
+from hitjoints.vectors import box_axes
 
 if TYPE_CHECKING:
     from hitjoints.model.robot import Contact, Robot
@@ -75,7 +76,7 @@ class Room:
         """Return the object that is touched at q (n,) rad; see `Scene.place_box`."""
         if self._scene is None:
             return None
-        placed = self._scene.place_box(q, contact, h, size, _axes(h, yaw))
+        placed = self._scene.place_box(q, contact, h, size, box_axes(h, yaw))
         return Obstacle("object", *placed)
 
     def whole(self, box: Obstacle | None) -> Obstacle | None:
@@ -114,16 +115,6 @@ class Room:
                 return Clear(least, what, None)
             far = ((moved[k + 1 :] - moved[k]) > room - self.margin).any(axis=1)
             k = k + 1 + int(np.argmax(far)) if far.any() else len(rows) - 1
-
-
-def _axes(h: Array, yaw: float) -> Array:
-    """Return the axes (3, 3) of a box along h, across it and upwards, turned by yaw (rad)."""
-    across = np.cross([0.0, 0.0, 1.0], h)
-    size = float(np.linalg.norm(across))
-    across = across / size if size > 1e-9 else np.array([0.0, 1.0, 0.0])
-    c, s = np.cos(yaw), np.sin(yaw)
-    up = np.cross(h, across)
-    return np.column_stack((c * h + s * across, c * across - s * h, up))
 
 
 def _reaches(robot: Robot, scene: Scene) -> Array:
