@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from .complaints import complain
+from .impact_options import ImpactOptions, inertia_rows
+from .option_groups import without
 from .options import JsonOption
 from .output_options import tell_written
 from .render import plain, print_json, print_table
@@ -60,8 +63,14 @@ objective = "inertia"
 away = true                         # the links beyond the contact keep behind it (Eq. 14)
 torque_limits = false
 seed = 0
-# dt = 0.002                        # s, of motions
+# dt = 0.001                        # s, of motions
 # q0 = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]     # where motions start
+
+[impact]                            # the inertia that the arm shows, see docs/impact.md
+model = "rigid"                     # the links alone; or rotor, composite, elastic
+# contact_time = 0.01               # s, elastic
+# stiffness = 10000.0               # N m/rad, elastic, of all joints or of each
+# rotor_inertia = 0.5               # kg m^2, reflected, of all joints or of each
 """
 
 
@@ -69,6 +78,7 @@ FILES = ("hit.toml", "plan.json", "trajectory.csv", "trajectory.json", "answer.j
 
 
 def hit(
+    impact: Annotated[ImpactOptions, without("restitution")],
     file: Annotated[Path | None, typer.Argument(metavar="[FILE]", help="hit.toml to read.")] = None,
     new: Annotated[
         Path | None, typer.Option("--new", metavar="FILE", help="Write a commented hit.toml.")
@@ -97,6 +107,7 @@ def hit(
     if out is not None:
         _check_folder(out, file)
     wanted = load_hit(file) if file is not None else _usual()
+    wanted = wanted.changed(setting=replace(wanted.setting, **impact.setting()))
     found = answer(wanted, tolerance=tolerance)
     files = [] if out is None else _write(found, out)
     if as_json:
@@ -169,7 +180,7 @@ def _print(found: Answer) -> None:
     if found.swing is not None:
         swing = found.swing
         rows: list[tuple[object, ...]] = [
-            ("inertia", swing.inertia, "kg"),
+            *inertia_rows(swing),
             ("speed", swing.speed, "m/s"),
             ("flux", swing.flux, "m/s"),
             ("impact after", swing.impact_time, "s"),

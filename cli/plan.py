@@ -153,8 +153,8 @@ def plan(
 ) -> None:
     """Choose the joint to hit with and its configuration, with evidence (Eq. 8, 14).
 
-    With --impact by the inertia that a real arm shows: rotor is planned for exactly; by composite
-    and elastic each joint's best configuration of the links alone is ranked again.
+    With --impact by the inertia that a real arm shows: rotor is planned for exactly, composite
+    without a certificate; by elastic each joint's best configuration of the links is ranked again.
     """
     from hitjoints.planning.planner import plan_hit
     from hitjoints.planning.room.surroundings import Surroundings
@@ -163,8 +163,9 @@ def plan(
     check_outputs(output.plot, (output.out, "out", (".json",)), inputs=[robot.robot, hit.file])
     arm = robot.load()
     setting = aim.setting() | room.setting() | {"deliverable": aim.deliverable(arm)}
+    setting |= impact.setting()
     wanted = asked.hit(arm, robot=robot.choice, **setting)
-    planned = plan_hit(wanted, arm, aim.certificate, impact.drives())
+    planned = plan_hit(wanted, arm, aim.certificate)
     result = planned.as_dict() | {"robot": robot.robot}
     plot = None if planned.best is None else output.plot
     if output.out is not None:

@@ -10,6 +10,7 @@ import typer
 
 from .complaints import complain
 from .hit_options import HitOptions
+from .impact_options import ImpactOptions, inertia_rows
 from .option_groups import OptionGroup, without
 from .options import check_outputs, numbers, triple
 from .output_options import OutputOptions
@@ -118,6 +119,7 @@ def swing(
     hit: HitOptions,
     start: Annotated[StartOptions, without("start", "torque_limits")],
     motion: SwingOptions,
+    impact: Annotated[ImpactOptions, without("restitution")],
     output: TrajectoryOutputs,
 ) -> None:
     """Make a motion that can be sent: from rest, through the hit, to rest, within all limits.
@@ -131,7 +133,7 @@ def swing(
     planned = start.planned()
     asked = hit.read(planned)
     arm = robot.load()
-    wanted = motion.hit(asked.flux_hit(arm))
+    wanted = motion.hit(asked.flux_hit(arm, **impact.setting()))
     given = start.arguments(planned, wanted, arm)
     result = make(
         arm,
@@ -184,7 +186,7 @@ def _print(result: Swing) -> None:
         (f"flux, {wanted}", result.flux, "m/s"),
         ("flux that limits alone would allow", result.maximum_flux, "m/s"),
         ("speed", result.speed, "m/s"),
-        ("inertia", result.inertia, "kg"),
+        *inertia_rows(result),
         ("q at the impact", result.q_hit, "rad"),
         ("qd at the impact", result.qd_hit, "rad/s"),
         ("velocity, of its limit", said["velocity_ratio_max"], ""),

@@ -42,6 +42,8 @@ from .goals.landing import Landing as Landing
 from .goals.landing import landing as landing
 from .hit import Hit as Hit
 from .hit_loading import load_hit as load_hit
+from .hit_setting import HitSetting as HitSetting
+from .hit_setting import RobotChoice as RobotChoice
 from .hitting.controller import Controller as Controller
 from .hitting.drive_limits import DriveLimits as DriveLimits
 from .impact.collision import (
@@ -56,6 +58,7 @@ from .impact.collision import (
 from .impact.collision import (
     required_speed as required_speed,
 )
+from .impact.drives import Drives as Drives
 from .impact.elastic import elastic_impact as elastic_impact
 from .impact.inertia_models import impact_inertia as impact_inertia
 from .impact.inertia_models import impact_inertia_gradient as impact_inertia_gradient
@@ -83,7 +86,6 @@ from .planning.learning.feasibility import (
 from .planning.plan_file import load_plan as load_plan
 from .planning.planner import plan as plan
 from .planning.posture import posture as posture
-from .planning.real_arm import Drives as Drives
 from .planning.room.clearance import clearance as clearance
 from .planning.room.surroundings import Surroundings as Surroundings
 from .planning.start import plan_start as plan_start

@@ -240,6 +240,7 @@ class Hit:
             "wish": {name: given.get(name) for name in ("goal", "direction", *HOW_HARD[1:])},
             "surroundings": {name: getattr(setting, name) for name in SURROUNDINGS},
             "how": {name: getattr(setting, name) for name in HOW},
+            "impact": setting.drives.as_dict(),
         }
         return told(tables)
 

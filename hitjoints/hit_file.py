@@ -89,6 +89,16 @@ class HowTable(Table):
     q0: list[float] | None = None
 
 
+class ImpactTable(Table):
+    """The model of the arm's drives."""
+
+    model: str = "rigid"
+    contact_time: float = 0.01
+    restitution: float = 0.5
+    stiffness: float | list[float] | None = None
+    rotor_inertia: float | list[float] | None = None
+
+
 class HitTables(Table):
     """The whole file."""
 
@@ -99,6 +109,7 @@ class HitTables(Table):
     wish: WishTable
     surroundings: SurroundingsTable = SurroundingsTable()
     how: HowTable = HowTable()
+    impact: ImpactTable = ImpactTable()
 
 
 def read_tables(path: Path) -> HitTables:

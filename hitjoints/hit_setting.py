@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from hitjoints.impact.drives import RIGID, Drives
 from hitjoints.loading.catalogue import robot_names
 from hitjoints.loading.load import load_robot
 from hitjoints.model.robot import Robot
@@ -87,6 +88,7 @@ class HitSetting:
         seed: of everything random.
         dt: s, of motions; None for their own.
         q0: (n,) rad, where motions start; None for what suits each.
+        drives: the model of the arm's drives that inertia and flux are reckoned with.
     """
 
     robot: RobotChoice | None = None
@@ -102,6 +104,7 @@ class HitSetting:
     seed: int = 0
     dt: float | None = None
     q0: tuple[float, ...] | None = None
+    drives: Drives = RIGID
 
 
 USUAL = HitSetting()

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.dynamics.inertia import inverse_inertia
 from hitjoints.errors import InputError
 from hitjoints.goals.box_hit import Boxes, hit_boxes
 from hitjoints.goals.sliding import Support, slide_to_rest
+from hitjoints.impact.shown_inertia import shown_mobility
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -107,7 +107,8 @@ def landing(  # noqa: PLR0913
         raise InputError("tolerance", tolerance, "it is above 0 m")
     if samples < 2:
         raise InputError("samples", samples, "at least 2")
-    mobility = inverse_inertia(robot, q, hit.chosen_contact)
+    contact = robot.contact(hit.chosen_contact)
+    mobility = shown_mobility(robot, robot.one_configuration(q), contact, hit, hit.setting.drives)
     drawn = _draw(hit, samples, seed)
     left = np.array([-hit.direction[1], hit.direction[0]])
     axes = np.column_stack((hit.direction[:2], left))

@@ -21,8 +21,10 @@ if TYPE_CHECKING:
     from hitjoints.types import Array
 
 FLOAT = np.dtype(float)
-GUESSES = 8
+GUESSES = 24
 """Guesses of the active bounds that are followed; the right one is mostly the last step's."""
+HASTY = 5
+"""Of these change in all entries at once; the rest, which may have run in a circle, one by one."""
 AGREES = 1e-9
 """Largest deviation from Pinocchio, relative to 1 plus the size."""
 
@@ -45,13 +47,13 @@ class CompiledStep:
         self._inputs, self._outputs, self._run = program_for(robot, contact).bind()
         self._q, self._shape = self._inputs[:n], (n,)
         self._guesses = self._inputs[n : 3 * n + 1]
-        self._next = self._outputs[2 : 2 * n + 3]
-        self._inputs[3 * n + 1 :] = _flat(setting)
-        self._status = self._outputs[:2]
-        self._qd = self._outputs[2 * n + 3 : 3 * n + 3]
-        self._position = self._outputs[3 * n + 4 : 3 * n + 7]
-        self._scaling = 3 * n + 3
-        self._numbers = self._outputs[3 * n + 7 : 3 * n + 12]
+        self._next = self._outputs[3 : 2 * n + 4]
+        self._inputs[3 * n + 1 : -1] = _flat(setting)
+        self._status = self._outputs[:3]
+        self._qd = self._outputs[2 * n + 4 : 3 * n + 4]
+        self._position = self._outputs[3 * n + 5 : 3 * n + 8]
+        self._scaling = 3 * n + 4
+        self._numbers = self._outputs[3 * n + 8 : 3 * n + 13]
         self._begin()
 
     def __call__(self, q: Any) -> Step | None:
@@ -59,12 +61,15 @@ class CompiledStep:
         if type(q) is not np.ndarray or q.dtype is not FLOAT or q.shape != self._shape:
             return None
         self._q[:] = q
-        for _ in range(GUESSES):
+        self._inputs[-1] = 0.0
+        for guess in range(GUESSES):
             self._run()
-            usable, changed = self._status.tolist()
+            usable, exact, changed = self._status.tolist()
             if not usable > 0.0:
                 break
             if changed == 0.0:
+                if not exact > 0.0:
+                    break
                 scaling = self._outputs.item(self._scaling)
                 inertia, desired, speed, flux, beyond = self._numbers.tolist()
                 return Step(
@@ -80,6 +85,8 @@ class CompiledStep:
                     False,
                 )
             self._guesses[:] = self._next
+            if guess == HASTY:
+                self._inputs[-1] = 1.0
         self._begin()
         return None
 
@@ -118,13 +125,13 @@ def program_for(robot: Robot, contact: Contact) -> ScalarProgram:
         setting = Setting(
             (0.0, 0.0, 0.0), tuple(h), mass, 0.1, 0.002, 1.0, 0.0, 0.5, 0.5, 0.0, 0.0, tuple(q)
         )
-        inputs[:n], inputs[n : 3 * n + 1], inputs[3 * n + 1 :] = q, 0.0, _flat(setting)
+        inputs[:n], inputs[n : 3 * n + 1], inputs[3 * n + 1 : -1] = q, 0.0, _flat(setting)
         run()
-        position, inertia = outputs[3 * n + 4 : 3 * n + 7], outputs[3 * n + 7]
+        position, inertia = outputs[3 * n + 5 : 3 * n + 8], outputs[3 * n + 8]
         for name, found, expected in (
             ("position", position, answers.position),
             ("inertia", inertia, answers.inertia),
-            ("gradient", outputs[3 * n + 12 :], answers.gradient),
+            ("gradient", outputs[3 * n + 13 :], answers.gradient),
         ):
             size = 1.0 + float(np.abs(expected).max()) + answers.inertia
             deviation = float(np.abs(found - expected).max())

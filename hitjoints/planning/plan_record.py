@@ -34,7 +34,6 @@ class Plan:
         made_with: versions of hitjoints and of what its numbers depend on.
         start: of the best hit, if it was asked for.
         torque_costs: of every candidate that can do it, if torque limits were asked for.
-        impact: model of the arm's drives.
     """
 
     robot: str
@@ -46,7 +45,6 @@ class Plan:
     start: Start | None = None
     torque_costs: tuple[TorqueCost, ...] = ()
     deliverable: bool = False
-    impact: str = "rigid"
 
     @property
     def position(self) -> Array:
@@ -72,6 +70,11 @@ class Plan:
     def flux(self) -> float | None:
         """The flux demanded, m/s, if any."""
         return self.hit.flux
+
+    @property
+    def impact(self) -> str:
+        """The model of the arm's drives that inertia and flux are reckoned with."""
+        return self.hit.setting.drives.model
 
     @property
     def summary(self) -> str:

@@ -15,12 +15,13 @@ from hitjoints.hit import Hit, check_flux
 from hitjoints.hit_setting import HitSetting, RobotChoice
 from hitjoints.hitting.drive_limits import drive_limits
 from hitjoints.impact.collision import required_speed
+from hitjoints.impact.drives import RIGID, Drives
 from hitjoints.loading.catalogue import robot_names
 from hitjoints.planning.candidates import Candidate, Verdict
 from hitjoints.planning.joint_plan import plan_joint
 from hitjoints.planning.objectives.registry import objective_named
 from hitjoints.planning.plan_record import Plan
-from hitjoints.planning.real_arm import Drives
+from hitjoints.planning.real_arm import ranked_again
 from hitjoints.planning.request import Request
 from hitjoints.planning.room.surroundings import Surroundings
 from hitjoints.planning.start import Start, fastest_start, plan_start
@@ -53,7 +54,7 @@ def plan(  # noqa: PLR0913
     hints: Mapping[int, ArrayLike] | None = None,
     torque_limits: bool = False,
     deliverable: bool = False,
-    drives: Drives | None = None,
+    drives: Drives = RIGID,
 ) -> Plan:
     """Choose the joint and the configuration for a hit.
 
@@ -81,8 +82,8 @@ def plan(  # noqa: PLR0913
             object, such as `Feasibility.propose` gives; not used when there is a `flux`.
         start: plan the start of the best hit too: for `flux`, or the fastest there is.
         drives: model of the arm's drives: the inertia, and what follows from it, is then what the
-            arm shows in a hit. "rotor" is exact; by "composite" and "elastic" each joint's best
-            configuration of the links alone is ranked again.
+            arm shows in a hit. "rotor" is planned for exactly, "composite" without a certificate;
+            by "elastic" each joint's best configuration of the links alone is ranked again.
         torque_limits: the start is one from rest, with the way that the motors need; and for every
             joint find what torque limits cost.
 
@@ -94,7 +95,6 @@ def plan(  # noqa: PLR0913
         SolverError: a configuration found failed the final check.
     """
     wanted = objective_named(objective)
-    drives = drives or Drives()
     digest, robot = robot.digest, drives.arm(robot)
     if wanted.needs_flux and flux is None:
         raise InputError("flux", flux, f"{objective} needs the flux to be reached (m/s)")
@@ -109,7 +109,8 @@ def plan(  # noqa: PLR0913
         if vector.shape != (3,):
             raise InputError(name, f"shape {vector.shape}", "three numbers x,y,z")
     along = np.asarray(direction, dtype=float)  # normalised once, by the hit
-    tasks = [Task(robot, Hit(c, target, along, mass), target, away) for c in contacts]
+    by = HitSetting(drives=drives)
+    tasks = [Task(robot, Hit(c, target, along, mass, setting=by), target, away) for c in contacts]
     request = Request(wanted, flux, deliverable and flux is not None, seed, certificate)
     if wanted.stopping or request.deliverable:
         drive_limits(robot)  # are they known?
@@ -121,8 +122,8 @@ def plan(  # noqa: PLR0913
         one = plan_joint(task, replace(request, accept=demands, hints=near))
         if one.q is not None and surroundings is not None:
             one = replace(one, clearance=surroundings.report(robot, one.q, task.contact, h))
-        if one.feasible and drives.ranks_again:
-            one = drives.shown(task, one)
+        if one.feasible and drives.model == "elastic":
+            one = ranked_again(task, one)
         found.append(replace(one, offset=task.contact.offset))
     best, candidates = _compare(found, wanted.ranked_by)
     begin = None
@@ -144,6 +145,7 @@ def plan(  # noqa: PLR0913
         away=away,
         torque_limits=torque_limits,
         seed=seed,
+        drives=drives,
     )
     return Plan(
         robot.name,
@@ -155,7 +157,6 @@ def plan(  # noqa: PLR0913
         begin,
         costs,
         request.deliverable,
-        drives.model,
     )
 
 
@@ -173,23 +174,22 @@ def _setting(robot: Robot, contacts: Sequence[Contact] | None, around: Surroundi
 
 
 @plan.register(Hit)
-def plan_hit(
-    hit: Hit, robot: Robot | None = None, certificate: bool = True, drives: Drives | None = None
-) -> Plan:
+def plan_hit(hit: Hit, robot: Robot | None = None, certificate: bool = True) -> Plan:
     """Choose the joint and the configuration for a hit that says all the rest itself.
 
     Args:
         hit: what is asked, with the arm and how to plan in its setting.
         robot: the arm, if it is loaded already.
         certificate: as `plan`.
-        drives: as `plan`.
     """
     setting = hit.setting
     if robot is None:
         if setting.robot is None:
             raise InputError("robot", None, "the hit does not say with which arm")
         robot = setting.robot.load()
-    asked = setting.deliverable
+    asked, drives = setting.deliverable, setting.drives
+    if hit.restitution is not None:
+        drives = replace(drives, restitution=hit.restitution)
     planned: Plan = plan(
         robot,
         hit.position,

@@ -18,7 +18,7 @@ from hitjoints.hitting.desired import Weighting
 from hitjoints.hitting.laws import LawName
 from hitjoints.hitting.step import Gains, Step
 from hitjoints.planning.plan_record import Plan
-from hitjoints.rollouts.prepare import prepare
+from hitjoints.rollouts.prepare import by_links, prepare
 from hitjoints.rollouts.record import Rollout
 
 if TYPE_CHECKING:
@@ -58,6 +58,9 @@ def rollout(  # noqa: PLR0913
     itself does not change the velocity (Eq. 11 tells by how much it would); the arm then slows down
     to rest, evenly or as fast as its torques let it.
 
+    Its inertia and flux are those of the links. A hit that reckons with another model of the drives
+    is made with the speed that it asks for.
+
     Args:
         robot: the arm.
         hit: what is asked.
@@ -84,6 +87,8 @@ def rollout(  # noqa: PLR0913
             object, or a dt too large for the speed.
         InfeasibleError: see `prepare`.
     """
+    if q_hit is not None:
+        hit = by_links(robot, hit, robot.within_limits(q_hit, "q_hit"))
     found = prepare(
         robot,
         hit,
@@ -94,6 +99,7 @@ def rollout(  # noqa: PLR0913
         torque_limits=torque_limits,
         seed=seed,
     )
+    hit = by_links(robot, hit, found.q_hit)
     controller = Controller(
         robot,
         hit,

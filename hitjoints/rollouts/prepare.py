@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from hitjoints.dynamics.contact_point import ContactPoint
 from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.impact.drives import RIGID
+from hitjoints.impact.shown_inertia import shown_inertia
 from hitjoints.planning.planner import plan
 from hitjoints.planning.start import plan_start
 from hitjoints.programs.joint_velocity import WITHIN_REACH
@@ -85,6 +88,21 @@ def prepare(
     if not found.feasible:
         raise InfeasibleError(found.reason, {"run_up": found.run_up})
     return Preparation(found.q, q_hit)
+
+
+def by_links(robot: Robot, hit: Hit, q: Array) -> Hit:
+    """Return the hit as an arm of links makes it at q (n,) rad: with the speed that is asked for.
+
+    A model of the drives shows another inertia, and makes the flux asked for of another speed.
+    """
+    drives = hit.setting.drives
+    if drives.rigid or hit.flux is None:
+        return hit
+    contact = robot.contact(hit.chosen_contact)
+    speed = hit.speed(float(shown_inertia(robot, q[None], contact, hit, drives)[0]))
+    links = ContactPoint(robot, contact).inertia(q, hit.direction)
+    alone = replace(hit.setting, drives=RIGID)
+    return hit.with_flux(hit.flux_of(links, speed)).changed(setting=alone)
 
 
 def _planned(

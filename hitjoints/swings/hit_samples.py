@@ -10,6 +10,7 @@ import numpy as np
 from hitjoints.built import kernel_for
 from hitjoints.errors import InfeasibleError
 from hitjoints.hitting.velocity_box import velocity_box
+from hitjoints.impact.shown_inertia import shown_inertia
 from hitjoints.planning.objectives.straight import straight_velocities
 from hitjoints.quantities import place_joint
 
@@ -87,6 +88,8 @@ def measured(robot: Robot, hit: Hit, limits: DriveLimits, q: Array) -> Samples:
     contact, h = robot.contact(hit.chosen_contact), hit.direction
     seen = kernel_for(robot, (contact,), ("inertia", "jacobian"))(q, h)
     J, inertia = np.ascontiguousarray(seen["jacobian"][0]), np.array(seen["inertia"][0])
+    if not hit.setting.drives.rigid:
+        inertia = shown_inertia(robot, q, contact, hit, hit.setting.drives)
     share = inertia / (inertia + hit.mass)
     share = np.where(np.isfinite(share), share, 0.0)
     ends = robot.lower, robot.upper

@@ -47,7 +47,8 @@ def swing(  # noqa: PLR0913
 
     Args:
         robot: the arm.
-        hit: what is asked; its `flux` may be None for the greatest that can be.
+        hit: what is asked; its `flux` may be None for the greatest that can be. Inertia and flux
+            are those of the model of the drives in its setting.
         q0: (n,) rad, where the arm is; by default its home.
         q_hit: (n,) rad, the configuration to strike in, such as a plan's, tried before others.
         acceleration: rad/s^2 and rad/s^3, one number or (n,); by default the robot's. An unknown

@@ -8,7 +8,6 @@ operations.
 
 from __future__ import annotations
 
-import time
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -50,7 +49,6 @@ class Certificate:
         proved: the gap is at most 1 %.
         joints: the joints searched (1-based); the others are fixed.
         boxes: how many were bounded.
-        seconds: what it took.
     """
 
     inertia: float
@@ -59,7 +57,6 @@ class Certificate:
     proved: bool
     joints: tuple[int, ...]
     boxes: int
-    seconds: float
 
     def as_dict(self) -> dict[str, Any]:
         """Return the attributes by name."""
@@ -82,7 +79,6 @@ def certify(task: Task, q: Array, joints: tuple[int, ...] | None = None) -> Cert
         joints: which to search (1-based), all of them beyond the contact; every joint that
             leaves the contact where it is when not given.
     """
-    begin = time.perf_counter()
     joints = free_joints(task) if joints is None else joints
     at = np.array(joints, dtype=int) - 1
     bound = _Bound(task, q, at)
@@ -111,7 +107,6 @@ def certify(task: Task, q: Array, joints: tuple[int, ...] | None = None) -> Cert
         bounded <= (1.0 + GAP) * found,
         joints,
         visited,
-        time.perf_counter() - begin,
     )
 
 

@@ -61,6 +61,9 @@ class Scene:
 
     def own_distances(self, q: Array) -> list[float]:
         """Return the distances of all `pairs` of links at q; leave the arm there."""
+        # A pair's solver begins where it ended last: up to 1e-6 m would depend on what was asked
+        # before.
+        self.geometry = pin.GeometryData(self.shapes)
         pin.computeDistances(self.model, self.data, self.shapes, self.geometry, q)
         return [result.min_distance for result in self.geometry.distanceResults]
 
