@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .complaints import complain
+from .figure_options import FigureOptions
 from .impact_options import ImpactOptions, inertia_rows
 from .option_groups import without
 from .options import JsonOption
@@ -90,6 +91,8 @@ def hit(
     tolerance: Annotated[
         float, typer.Option("--tolerance", metavar="M", help="Around the goal.")
     ] = 0.05,
+    *,
+    look: Annotated[FigureOptions, without("plot")],
     as_json: JsonOption = False,
 ) -> None:
     """Take a wish to its verdict: the joint, a motion that can be sent, where the object ends.
@@ -109,7 +112,7 @@ def hit(
     wanted = load_hit(file) if file is not None else _usual()
     wanted = wanted.changed(setting=replace(wanted.setting, **impact.setting()))
     found = answer(wanted, tolerance=tolerance)
-    files = [] if out is None else _write(found, out)
+    files = [] if out is None else _write(found, out, look)
     if as_json:
         print_json(found.as_dict() | {"files": [str(path) for path in files]})
     else:
@@ -154,13 +157,13 @@ def _check_folder(out: Path, file: Path | None) -> None:
         raise InputError("out", out, "the file that is read would be overwritten")
 
 
-def _write(found: Answer, out: Path) -> list[Path]:
+def _write(found: Answer, out: Path, look: FigureOptions) -> list[Path]:
     """Write what there is of the answer; return the files."""
     import json
 
     from hitjoints.datasets.files import write_whole
-    from hitjoints.show.answer_figure import draw_answer
-    from hitjoints.show.figures import save_figure
+    from hitjoints.show import figures
+    from hitjoints.show.sheet import save_figure
 
     out.mkdir(exist_ok=True)
     wish, plan, csv, ros, answer, figure = (out / name for name in FILES)
@@ -172,7 +175,7 @@ def _write(found: Answer, out: Path) -> list[Path]:
         return [wish, plan, answer]
     found.swing.save(csv)
     found.swing.save(ros)
-    save_figure(draw_answer(found), figure)
+    save_figure(figures.answer(found, **look.look), figure)
     return [wish, plan, csv, ros, answer, figure]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from hitjoints.dynamics.kinematics import position
 from hitjoints.show.drawn_arm import BoxAt, add_ground, arm_picture, chain
 from hitjoints.show.plan_figure import OBJECT, draw_plan
-from hitjoints.show.sheet import Sheet, sheet
+from hitjoints.show.sheet import Sheet, below, sheet
 from hitjoints.show.style import Look, colour_of
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def _draw_arms(axis: Axes, swing: Swing) -> None:
     picture.draw(axis)
     axis.set_title(f"at the hit; {grid}")
     handles += axis.get_legend_handles_labels()[0]
-    axis.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=2)
+    below(axis, 0.5, 2, handles=handles)
 
 
 def draw_way(axis: Axes, swing: Swing, landing: Landing | None) -> None:
@@ -75,7 +75,7 @@ def draw_way(axis: Axes, swing: Swing, landing: Landing | None) -> None:
     axis.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
     axis.set_aspect("equal", adjustable="datalim")
     axis.set_title("from above")
-    axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2)
+    below(axis, 3, 2)
 
 
 def _around() -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -96,7 +97,7 @@ def _turned(radius: Array, height: Array) -> list[Array]:
     after = np.roll(np.arange(CORNERS), -1)
     sides = [
         np.stack([low[i], low[after[i]], high[after[i]], high[i]])
-        for low, high in zip(rings, rings[1:], strict=False)
+        for low, high in pairwise(rings)
         for i in range(CORNERS)
     ]
     return [rings[0], *sides, rings[-1]]
@@ -107,7 +108,7 @@ def _bars(robot: Robot, q: Array) -> list[Array]:
     joints = [position(robot, q, k) for k in range(1, robot.n + 1)]
     ends = [np.zeros(3), *joints, position(robot, q, robot.flange)]
     found = []
-    for begin, end in zip(ends, ends[1:], strict=False):
+    for begin, end in pairwise(ends):
         length = float(np.linalg.norm(end - begin))
         if length > BAR:
             along = (end - begin) / length

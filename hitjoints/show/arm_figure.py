@@ -8,6 +8,7 @@ import numpy as np
 
 from hitjoints.errors import InputError
 from hitjoints.show.drawn_arm import BoxAt, add_ground, arm_picture, chain
+from hitjoints.show.sheet import below
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,4 +46,4 @@ def draw_arm(
     picture.draw(axis)
     axis.set_title(f"{robot.name}; {grid}")
     if handles:
-        axis.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=2)
+        below(axis, 0.5, 2, handles=handles)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -64,7 +64,7 @@ def _of_arm(result: Calibration, arm: str) -> tuple[np.ndarray, np.ndarray, np.n
     return flux, distance, np.array([told for _, told in pairs]).T
 
 
-def _style(place: int) -> dict[str, object]:
+def _style(place: int) -> dict[str, Any]:
     return {
         "color": COLOURS[place], "fmt": MARKS[place], "ms": 3.5, "lw": 0.7, "alpha": 0.75
     }  # fmt: skip

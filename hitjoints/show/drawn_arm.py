@@ -104,6 +104,7 @@ def arm_picture(
     Raises:
         InputError: an argument cannot be used.
     """
+    from matplotlib import rcParams
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -111,19 +112,33 @@ def arm_picture(
     h = None if direction is None else unit(direction)
     picture = Picture(_azimuth(h) if azimuth is None else azimuth)
     handles: list[Any] = []
+    size = float(rcParams["lines.markersize"])
     picture.solid(arm_faces(robot, q), LINK)
     joints = np.array([position(robot, q, k) for k in range(1, robot.n + 1)])
-    picture.line(joints, ls="", marker="o", color="white", mec=EDGE, mew=0.9, ms=4)
+    picture.line(joints, ls="", marker="o", color="white", mec=EDGE, mew=0.15 * size, ms=0.8 * size)
     if contact is not None:
         contact = robot.contact(contact)
         here, colour = position(robot, q, contact), colour_of(contact.joint)
-        mark = {"marker": "o", "color": colour, "mec": "white", "mew": 1.0, "ms": 8, "ls": ""}
+        mark: dict[str, Any] = {
+            "marker": "o",
+            "color": colour,
+            "mec": "white",
+            "mew": 0.2 * size,
+            "ms": 1.6 * size,
+            "ls": "",
+        }
         picture.line(np.stack([joints[contact.joint - 1], here]), color=colour, lw=2, zorder=64)
         picture.line(here[None], **mark, zorder=75)
         handles.append(Line2D([], [], **mark, label=f"joint {contact.joint}"))
         if h is not None:
-            picture.arrow(here, here + ARROW * h, color="black", lw=1.5, mutation_scale=12)
-            arrow = {"color": "black", "marker": ">", "lw": 1.5, "ms": 5, "markevery": [1]}
+            picture.arrow(here, here + ARROW * h, color="black", lw=1.5, mutation_scale=2.4 * size)
+            arrow: dict[str, Any] = {
+                "color": "black",
+                "marker": ">",
+                "lw": 1.5,
+                "ms": size,
+                "markevery": [1],
+            }
             handles.append(Line2D([0, 1], [0, 0], **arrow, label="hitting direction"))
         surface = inertia_surface(inverse_inertia(robot, q, contact)) if ellipsoid else None
         if surface is not None:

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
 from hitjoints.errors import InputError
-from hitjoints.show.sheet import Sheet, save_figure
 from hitjoints.show.style import Look, LookOptions
 
 if TYPE_CHECKING:
@@ -30,6 +29,7 @@ if TYPE_CHECKING:
     from hitjoints.model.robot import Contact, Robot
     from hitjoints.planning.plan_record import Plan
     from hitjoints.rollouts.record import Rollout
+    from hitjoints.show.sheet import Sheet
     from hitjoints.swings.swing_record import Swing
 
 __all__ = [
@@ -45,6 +45,8 @@ def save(figure: Figure, path: str | Path) -> None:
     Raises:
         InputError: another ending, or a path that cannot be written.
     """
+    from hitjoints.show.sheet import save_figure
+
     save_figure(figure, Path(path), "path")
 
 
@@ -247,7 +249,10 @@ def reproduction(result: Reproduction, **look: Unpack[LookOptions]) -> dict[str,
 
     how = Look(**look)
     with how.applied():
-        return dict(draw_reproduction(result, how))
+        drawn = draw_reproduction(result, how)
+        for figure in drawn.values():
+            figure.fit()
+    return dict(drawn)
 
 
 def _drawn(
@@ -266,12 +271,14 @@ def _drawn(
         if given:
             raise InputError(given[0], options[given[0]], "an axis given as ax has its own look")  # type: ignore[literal-required]
         main(ax)
-        figure = ax.get_figure(root=True)
-        assert figure is not None
-        return figure
+        drawn = ax.get_figure(root=True)
+        assert drawn is not None
+        return drawn
     look = Look(**options)
     with look.applied():
-        return whole(look)
+        figure = whole(look)
+        figure.fit()
+    return figure
 
 
 def _alone(main: Callable[[Axes], None], panel: tuple[float, float]) -> Callable[[Look], Sheet]:

@@ -34,6 +34,13 @@ def broad(place: int, count: int) -> float:
     return float(rcParams["lines.linewidth"]) + BROADER * (count - 1 - place)
 
 
+def set_quarters(axis: Axes) -> None:
+    """Set ticks at quarters of a turn (deg), or fewer where there is no room."""
+    from matplotlib.ticker import MaxNLocator
+
+    axis.xaxis.set_major_locator(MaxNLocator("auto", steps=[1, 1.8, 4.5, 9, 10]))
+
+
 def draw_shares(axis: Axes, times: Array, values: Array, limit: Array, label: str) -> None:
     """Draw a curve per joint in units of its limit.
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hitjoints.show.joint_curves import broad, curve_of
+from hitjoints.show.joint_curves import broad, curve_of, set_quarters
 from hitjoints.show.sheet import Sheet, sheet
 from hitjoints.show.style import Look
 
@@ -50,7 +50,7 @@ def draw_over_angle(axis: Axes, sweep: Dataset, name: str) -> None:
             axis.plot(angle, row[f"straight_{name}"], ls="--", **style | {"lw": 1, "mfc": "white"})
     axis.set(xlabel="angle of the hitting joint (deg)", ylabel=PANELS[name])
     axis.set_ylim(bottom=0)
-    axis.set_xticks(range(-180, 181, 90))
+    set_quarters(axis)
     axis.grid(visible=True)
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.show.drawn_arm import arm_picture, chain
-from hitjoints.show.joint_curves import broad, curve_of
+from hitjoints.show.joint_curves import broad, curve_of, set_quarters
 from hitjoints.show.paper_hits import draw_arms, draw_hits, draw_starts, until_impact
 from hitjoints.show.paper_spread import draw_spread
 from hitjoints.show.sheet import Sheet, sheet
@@ -62,9 +62,9 @@ def _draw_turn(arms: Mapping[str, Experiments], look: Look) -> Sheet:
     first = arms[PAPERS]
     assert first.turn is not None
     figure, axes = sheet(look, 9, 3, (3.8, 3.1))
-    joints = [int(k) for k in first.turn.joint.values][::-1]
+    joints = sorted(int(k) for k in first.turn.joint.values)
     pictures, seen = [], []
-    for k in joints:
+    for k in joints[::-1]:
         q = first.turn.sel(joint=k).q.values
         direction = first.turn.attrs["direction"]
         picture, _ = arm_picture(first.robot, q, k, direction, ellipsoid=False)
@@ -95,7 +95,7 @@ def _draw_graphs(axes: list[Axes], turn: Dataset, joints: list[int], style: str 
                 label=f"joint {k}",
             )  # fmt: skip
         axis.set(xlabel="angle of the hitting joint (deg)", ylabel=label)
-        axis.set_xticks(range(-180, 181, 90))
+        set_quarters(axis)
         _finish(axis)
 
 
@@ -109,24 +109,28 @@ def _draw_references(on: Experiments, look: Look) -> Sheet:
         column[0].set_title(titles[reference])
         for axis, (quantity, label) in zip(column, FOLLOWED, strict=True):
             width = broad(0 if k == 6 else 1, 2)
-            style = curve_of(k, lw=width, label=f"joint {k}")
+            style = curve_of(k, lw=width, label=f"joint {k}", zorder=3 - width / 10)
             axis.plot(*until_impact(hit, quantity), **style)
             if quantity == "inertia":
                 wanted = until_impact(hit, "desired_inertia")
-                axis.plot(*wanted, "k--", lw=1, label="desired" if k == 6 else None)
+                axis.plot(*wanted, "k--", lw=1, zorder=4, label="desired" if k == 6 else None)
             if quantity == "flux" and k == 6:
                 axis.axhline(hit.hit.desired_flux, color="k", ls="--", lw=1)
             axis.set(xlabel="distance to the object (m)", ylabel=label)
-    for axis in axes:
-        _finish(axis)
-        axis.invert_xaxis()
+    for left, right in zip(axes[::2], axes[1::2], strict=True):
+        top = max(_finish(axis) for axis in (left, right))
+        for axis in (left, right):
+            axis.set_ylim(0, top)
+            axis.invert_xaxis()
+            axis.label_outer()
     figure.key(axes[0].get_legend_handles_labels()[0])
     figure.headline(f"Fig. 4: desired and achieved inertia along the motion, {PAPERS}")
     return figure
 
 
-def _finish(axis: Axes) -> None:
+def _finish(axis: Axes) -> float:
     """Set limits and grid when everything is drawn: zero is shown, and room above."""
-    top = max(float(np.nanmax(line.get_ydata())) for line in axis.lines)
-    axis.set_ylim(0, 1.12 * top)
+    top = 1.12 * max(float(np.nanmax(np.asarray(line.get_ydata()))) for line in axis.lines)
+    axis.set_ylim(0, top)
     axis.grid(visible=True)
+    return top

@@ -52,7 +52,7 @@ def draw_arms(axes: list[Axes], pictures: list[tuple[Picture, str]], seen: Array
 def draw_starts(scenario: Scenario, on: Experiments, look: Look) -> Sheet:
     """Return Fig. 5: the start configuration of each joint, the object and the way to it."""
     assert on.hits is not None
-    figure, axes = sheet(look, len(JOINTS), 3, (4.2, 3.5))
+    figure, axes = sheet(look, len(JOINTS), 3, (4.2, 3.5), 1.1)
     way = np.stack([scenario.start, scenario.position])
     pictures, seen = [], [way]
     for k in JOINTS:
@@ -60,7 +60,7 @@ def draw_starts(scenario: Scenario, on: Experiments, look: Look) -> Sheet:
         q = start.posture.q
         picture, _ = arm_picture(on.robot, q, k, scenario.direction, ellipsoid=False)
         picture.line(way, ls=":", color="k", lw=1.2)
-        picture.line(way[1:], ls="", marker="s", color=BOX, ms=9, mec="k")
+        picture.line(way[1:], ls="", marker="s", color=BOX, mec="k")
         pictures.append((picture, f"joint {k}: {start.posture.inertia:.3g} kg at the start"))
         seen.append(chain(on.robot, q))
     draw_arms(axes, pictures, np.vstack(seen))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.evidence.paper.scenario import PRINTED, PRINTED_MORE
-from hitjoints.show.sheet import Sheet, sheet
+from hitjoints.show.sheet import NARROWEST, Sheet, sheet
 from hitjoints.show.style import COLOURS, Look, colour_of
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def draw_spread(arms: Mapping[str, Experiments], look: Look) -> Sheet:
     assert ours is not None
     impacts = {k: ours.shown(k).impact for k in PRINTED}
     here = {k: impact.inertia for k, impact in impacts.items() if impact is not None}
-    figure, axes = sheet(look, 4, 2, (5.5, 4.0))
+    figure, axes = sheet(look, 4, 2, (5.5, 4.0), NARROWEST)
     for axis, k in zip(axes, PRINTED, strict=False):
         values = {name: spread.inertia[k] for name, spread in spreads.items()}
         _draw_histogram(axis, values, PRINTED[k], here[k], colour_of(k))

@@ -8,7 +8,7 @@ import numpy as np
 
 from hitjoints.model.robot import Contact
 from hitjoints.show.drawn_arm import BoxAt, add_ground, arm_picture, chain
-from hitjoints.show.sheet import Sheet, sheet, wrapped
+from hitjoints.show.sheet import Sheet, below, sheet, wrapped
 from hitjoints.show.style import Look, colour_of
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def _draw_scene(axis: Axes, robot: Robot, plan: Plan, best: Candidate, figure: S
     grid = add_ground(picture, np.vstack([chain(robot, best.q), box.corners]))
     picture.draw(axis)
     axis.set_title(f"joint {best.joint}: {best.inertia:.3g} kg, {best.speed:.3g} m/s; {grid}")
-    axis.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=2)
+    below(axis, 0.5, 2, handles=handles)
 
 
 def draw_objective(axis: Axes, plan: Plan) -> None:
@@ -86,7 +86,7 @@ def draw_objective(axis: Axes, plan: Plan) -> None:
     if inner is not None:
         axis.bar(0, 0, color="grey", alpha=0.4, label="any motion")
         axis.bar(0, 0, color="grey", label=inner_label)
-        axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2)
+        below(axis, 2, 2)
     axis.set_xticks(range(len(plan.candidates)), [f"joint {c.joint}" for c in plan.candidates])
     axis.set(ylabel=label, xlim=(-0.6, len(plan.candidates) - 0.4))
     axis.margins(y=0.15)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.evidence.recordings.fits import LENGTH, PUSH
-from hitjoints.show.sheet import Sheet, sheet
+from hitjoints.show.sheet import Sheet, below, sheet
 from hitjoints.show.style import COLOURS, MARKS, Look
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ def draw_predicted(axis: Axes, result: Replay) -> None:
         for i, (hit, x, y) in enumerate(pairs):
             label = f"{_name(hit)}: restitution {hit.restitution:.2f}"
             axis.plot(x, y, MARKS[i], color=COLOURS[i], label=label)
-        axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13))
+        below(axis, 3, 1)
     else:
         axis.plot(predicted, measured, "o", color=MANY[1], ms=3, alpha=0.4, mew=0)
     most = 1.25 * float(max(predicted.max(), measured.max()))

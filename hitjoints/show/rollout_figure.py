@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from hitjoints.rollouts.record import Rollout
 
 LEAST = 0.02
-"""Of a quantity, what an axis spans at least: less would show its last digits as if they mattered."""
+"""Of a quantity, what an axis spans at least: less would show last digits as if they mattered."""
 NEAR = 1.0
 """mm, what the distance from the line is drawn to at least."""
 
@@ -32,7 +32,7 @@ def draw_rollout(result: Rollout, look: Look) -> Sheet:
     figure, axes = sheet(look, 6 if forced else 4, 3 if forced else 2, (4.7, 3.3))
     inertia, speed = axes[:2]
     line, joints = (axes[3], axes[4]) if forced else axes[2:]
-    time = result.dt * np.arange(len(rows["q"]))
+    time = np.asarray(result.dt * np.arange(float(len(rows["q"]))))
     joint = robot.contact(hit.chosen_contact).joint
     draw_inertia(inertia, result)
     colour = colour_of(joint)

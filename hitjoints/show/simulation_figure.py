@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.constants import GRAVITY
-from hitjoints.show.sheet import Sheet, sheet
+from hitjoints.show.sheet import NARROWEST, Sheet, below, sheet
 from hitjoints.show.style import COLOURS, HATCHES, Look, colour_of
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ NAMES = {"object_speed": "object speed", "rebound": "rebound", "inertia": "inert
 def draw_simulation(result: Simulation, look: Look) -> Sheet:
     """Return the figure of a simulated hit; predictions are dashed."""
     slides = result.slide is not None
-    figure, axes = sheet(look, 4 if slides else 2, 2, (5.5, 3.9))
+    figure, axes = sheet(look, 4 if slides else 2, 2, (5.5, 3.9), NARROWEST)
     draw_contact(axes[0], result)
     _draw_errors(axes[1], result)
     if slides:
@@ -82,7 +82,7 @@ def _draw_errors(axis: Axes, result: Simulation) -> None:
     alone = ": each cause alone" if result.causes else ""
     axis.set_title(f"simulated less predicted{alone}")
     # Below the axis: among the bars it would cover some, whichever way they point.
-    axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=len(NAMES))
+    below(axis, 3, len(NAMES))
 
 
 def _draw_way(speeds: Axes, ways: Axes, result: Simulation) -> None:

@@ -41,12 +41,16 @@ OURS: dict[str, Any] = {
     "legend.frameon": False,
     "legend.fontsize": "small",
     "grid.alpha": 0.3,
-    "hatch.linewidth": 0.6,
+    "hatch.linewidth": 1.2,
     "lines.markersize": 5,
 }
 IN_A_COLUMN: dict[str, Any] = {
     "savefig.dpi": 300,
     "font.size": 8,
+    "legend.fontsize": 6.5,
+    "legend.handlelength": 1.6,
+    "legend.labelspacing": 0.3,
+    "hatch.linewidth": 0.8,
     "lines.linewidth": 1.2,
     "lines.markersize": 3.5,
     "axes.linewidth": 0.6,
@@ -57,7 +61,7 @@ IN_A_COLUMN: dict[str, Any] = {
     "axes.titlepad": 3,
     "axes.labelpad": 2,
 }
-"""What a figure of a given size has, too: letters that journals accept, and lines to go with them."""
+"""What a figure of a given size has, too: letters that journals accept, and lines to match."""
 
 
 def colour_of(joint: int) -> str:
@@ -116,27 +120,32 @@ class Look:
         Raises:
             InputError: the style cannot be read.
         """
-        from matplotlib import rc_context, rcParams, rcParamsDefault
-
+        mpl = _matplotlib()
         ours = OURS | (IN_A_COLUMN if self.size is not None else {})
-        own = {key: value for key, value in ours.items() if rcParams[key] == rcParamsDefault[key]}
-        with rc_context(own | _read_style(self.style)):
-            asked = {} if self.font is None else _font(self.font)
-            with rc_context(asked):
-                yield
+        usual = mpl.rcParamsDefault
+        own = {key: value for key, value in ours.items() if mpl.rcParams[key] == usual[key]}
+        asked = {} if self.font is None else _font(self.font)
+        with mpl.rc_context(own | _read_style(self.style) | asked):
+            yield
 
     @property
     def inches(self) -> tuple[float, float | None] | None:
         """Width, and height if it is given; None where each panel takes what it needs."""
-        from matplotlib import rcParams, rcParamsDefault
-
         if self.size is not None:
             width, height = _millimetres(self.size)
             return width / INCH, None if height is None else height / INCH
+        mpl = _matplotlib()
         with self.applied():
-            width, height = rcParams["figure.figsize"]
-        usual = [width, height] == list(rcParamsDefault["figure.figsize"])
+            width, height = mpl.rcParams["figure.figsize"]
+        usual = [width, height] == list(mpl.rcParamsDefault["figure.figsize"])
         return None if usual else (width, height)
+
+
+def _matplotlib() -> Any:
+    """Return matplotlib, whose parameters have types of their own by name."""
+    import matplotlib
+
+    return matplotlib
 
 
 def _millimetres(size: str | tuple[float, float] | None) -> tuple[float, float | None]:
@@ -189,16 +198,16 @@ def _read_style(style: str | Path | None) -> dict[str, Any]:
     """
     if style is None:
         return {}
-    from matplotlib import rc_params_from_file
-    from matplotlib import style as styles
+    import matplotlib.style
 
-    if str(style) in styles.library:
-        return dict(styles.library[str(style)])
+    mpl = _matplotlib()
+    if str(style) in matplotlib.style.library:
+        return dict(mpl.style.library[str(style)])
     path = Path(style)
     if not path.is_file():
         raise InputError("style", str(style), "a file .mplstyle, or a style that matplotlib knows")
     try:
-        read = rc_params_from_file(path, use_default_template=False)
+        read = mpl.rc_params_from_file(path, use_default_template=False)
     except (OSError, ValueError) as error:
         raise InputError("style", str(style), f"it cannot be read ({error})") from None
     blocked = {"backend", "backend_fallback", "interactive", "toolbar", "timezone"}

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 TIE = 0.05
 """Two joints tie where they differ by less than that share: which is ahead is chance there."""
 TIES = f"stripes: two joints within {100 * TIE:g} %"
-STRIPES = "//////"
+STRIPES = "////"
+NAMED = 0.04
+"""Areas of at least that share of all cells have their joints' numbers in them."""
 
 
 def draw_winners(axis: Any, x: Array, y: Array, values: Array, joints: Sequence[int]) -> None:
@@ -43,12 +45,13 @@ def draw_winners(axis: Any, x: Array, y: Array, values: Array, joints: Sequence[
             face, stripe = colour_of(joints[first]), colour_of(joints[second])
             tied = {} if first == second else {"hatch": STRIPES, "edgecolor": stripe}
             axis.add_patch(PathPatch(path, facecolor=face, linewidth=0, **tied))
-            if first == second:
+            if where.mean() >= NAMED:
                 row, column = _inmost(where)
+                named = dict.fromkeys((joints[first], joints[second]))
                 axis.text(
-                    x[column], y[row], str(joints[first]), ha="center", va="center",
+                    x[column], y[row], ", ".join(map(str, named)), ha="center", va="center",
                     fontsize="small", zorder=5,
-                    bbox={"boxstyle": "circle,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85},
+                    bbox={"boxstyle": "round,pad=0.2", "fc": "white", "ec": "none"},
                 )  # fmt: skip
     axis.set(xlim=(cells[..., 0].min(), cells[..., 0].max()))
     axis.set(ylim=(cells[..., 1].min(), cells[..., 1].max()))

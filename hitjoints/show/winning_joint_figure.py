@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from hitjoints.show.sheet import Sheet, sheet
+from hitjoints.show.sheet import NARROW, Sheet, sheet
 from hitjoints.show.style import Look, colour_of
-from hitjoints.show.winner_map import TIES, draw_winners, winners
+from hitjoints.show.winner_map import STRIPES, TIES, draw_winners, winners
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,12 +18,12 @@ def draw_winning_joint(found: Dataset, look: Look) -> Sheet:
     from matplotlib.patches import Patch
 
     count = found.time.size
-    figure, axes = sheet(look, count, count, (3.4, 3.9))
+    figure, axes = sheet(look, count, count, (3.4, 3.9), NARROW)
     joints = [int(joint) for joint in found.joint.values]
     for axis, time in zip(axes, found.time.values, strict=True):
         draw_winning_joint_at(axis, found, float(time))
     handles = [Patch(color=colour_of(joint), label=f"joint {joint}") for joint in joints]
-    figure.key([*handles, Patch(fc="white", ec="grey", hatch="//////", label=TIES)])
+    figure.key([*handles, Patch(fc="white", ec="grey", hatch=STRIPES, label=TIES)])
     along = ", ".join(f"{value:g}" for value in found.attrs["direction"])
     figure.headline(
         f"{found.attrs['robot']}: the joint whose hit on {found.attrs['mass']:g} kg at "

@@ -10,7 +10,7 @@ from hitjoints.errors import InputError
 from hitjoints.show.drawn_arm import chain
 from hitjoints.show.sheet import Sheet, fitted
 from hitjoints.show.style import Look, colour_of
-from hitjoints.show.winner_map import TIES, draw_winners
+from hitjoints.show.winner_map import STRIPES, TIES, draw_winners
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -154,7 +154,7 @@ def _legend(figure: Sheet, joints: list[int]) -> None:
     from matplotlib.patches import Patch
 
     handles: list[Any] = [Patch(color=colour_of(k), label=f"joint {k}") for k in joints]
-    handles.append(Patch(facecolor="white", edgecolor="grey", hatch="//////", label=TIES))
+    handles.append(Patch(facecolor="white", edgecolor="grey", hatch=STRIPES, label=TIES))
     handles.append(
         Patch(facecolor=UNREACHABLE, hatch="////", edgecolor="white", label="out of reach")
     )
