@@ -60,7 +60,7 @@ def options_of(hit: Hit) -> dict[str, Any]:
         (wish, ("flux", "object_speed")),
         (thing, ("mass", "restitution", "friction")),
         (vars(setting), ("table_height", "margin", "objective", "away", "torque_limits", "seed")),
-        (vars(setting), ("dt",)),
+        (vars(setting), ("dt", "hits", "tolerance")),
     ):
         said |= {name: table[name] for name in names if table.get(name) is not None}
     if (joints := given.get("contact", {}).get("joints")) is not None:

@@ -34,7 +34,7 @@ LEAST_FLUX = 1e-6
 
 OBJECT = ("position", "mass", "size", "yaw", "restitution", "friction", "spread")
 SURROUNDINGS = ("object_size", "table_height", "margin")
-HOW = ("objective", "deliverable", "away", "torque_limits", "seed", "dt", "q0")
+HOW = ("objective", "deliverable", "away", "torque_limits", "seed", "dt", "q0", "hits", "tolerance")
 LEVEL = 1e-6
 """m, and share of the way, up to which object and goal count as equally high."""
 

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from hitjoints.types import Array
 
 SAMPLES = 1000
-TOLERANCE = 0.05
-"""m, how far from the goal counts as there."""
 LEVEL = 1e-3
 """Greatest vertical part of a direction that counts as level."""
 POINT_SIZE = (1e-3, 1e-3, 1e-3)
@@ -73,7 +71,7 @@ def landing(  # noqa: PLR0913
     speed: float,
     *,
     height: float = 0.0,
-    tolerance: float = TOLERANCE,
+    tolerance: float | None = None,
     support: Support = "face",
     samples: int = SAMPLES,
     seed: int = 0,
@@ -87,7 +85,7 @@ def landing(  # noqa: PLR0913
             spread for what is not known exactly.
         speed: m/s, of the contact along the hit's direction at the impact.
         height: m, of the contact above the box's centre of mass.
-        tolerance: m, around the goal.
+        tolerance: m, around the goal; the hit's.
         support: what carries the box, its "face" or its four "corners".
         samples: how many hits are tried.
         seed: of the spreads.
@@ -103,6 +101,7 @@ def landing(  # noqa: PLR0913
             raise InputError(name, None, "where the object lands depends on it")
     if not (math.isfinite(speed) and speed > 0):
         raise InputError("speed", speed, "the contact moves at more than 0 m/s")
+    tolerance = hit.setting.tolerance if tolerance is None else tolerance
     if not (math.isfinite(tolerance) and tolerance > 0):
         raise InputError("tolerance", tolerance, "it is above 0 m")
     if samples < 2:

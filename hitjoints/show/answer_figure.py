@@ -15,7 +15,7 @@ from hitjoints.show.style import Look, colour_of
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from hitjoints.answers.answer import Answer
+    from hitjoints.answers.answer_record import Answer
     from hitjoints.goals.landing import Landing
     from hitjoints.swings.swing_record import Swing
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
     from xarray import Dataset
 
-    from hitjoints.answers.answer import Answer
+    from hitjoints.answers.answer_record import Answer
     from hitjoints.evidence.calibration.past_hits import Calibration
     from hitjoints.evidence.paper.reproduction import Reproduction
     from hitjoints.evidence.physics.simulated_hit import Simulation

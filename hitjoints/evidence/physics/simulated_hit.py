@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from hitjoints.plotted import Plotted
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -65,7 +67,7 @@ class Cause:
 
 
 @dataclass(frozen=True, eq=False)
-class Simulation:
+class Simulation(Plotted):
     """A planned hit, predicted and simulated.
 
     Attributes:
@@ -79,6 +81,8 @@ class Simulation:
         causes: of the difference, those that are in the setting.
         elastic: what elastic joints make of it in closed form; None where joints are rigid.
     """
+
+    drawn_by: ClassVar[str] = "simulation"
 
     motion: Rollout
     mode: Mode

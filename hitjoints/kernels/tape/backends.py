@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from hitjoints.errors import UnknownNameError
+from hitjoints.kernels.tape.interval_backend import Interval, IntervalProgram
 from hitjoints.kernels.tape.numpy_backend import NumpyProgram
 from hitjoints.kernels.tape.rows import ALIGNMENT, over_rows
 from hitjoints.kernels.tape.trace import Tape, Tracer
@@ -85,6 +86,15 @@ def prepare(program: Tape, rows_only: int, backend: str | None) -> Runnable:
     from hitjoints.kernels.tape.llvm_backend import LlvmProgram
 
     return LlvmProgram(program, rows_only)
+
+
+def over_boxes(program: Tape) -> Callable[[list[Interval], int], Interval]:
+    """Make a program ready to run over boxes."""
+    if choose() == "numpy":
+        return IntervalProgram(program)
+    from hitjoints.kernels.tape.interval_machine import MachineProgram
+
+    return MachineProgram(program)
 
 
 def evaluate(

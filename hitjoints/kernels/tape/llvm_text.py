@@ -41,6 +41,8 @@ class Writer:
             f"declare {t} @llvm.rint.{s}({t})\n"
             f"declare {t} @llvm.fabs.{s}({t})\n"
             f"declare {t} @llvm.sqrt.{s}({t})\n"
+            f"declare {t} @llvm.floor.{s}({t})\n"
+            f"declare {t} @llvm.ceil.{s}({t})\n"
         )
 
     def constant(self, value: float) -> str:
