@@ -28,7 +28,7 @@ def calibrate(
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="FILE", help="Write the [object] part of a hit: .toml."),
+        typer.Option("--out", metavar="FILE", help="Write the object part of a hit.toml."),
     ] = None,
     *,
     figure: FigureOptions,

@@ -58,7 +58,7 @@ def options_of(hit: Hit) -> dict[str, Any]:
     wish, thing = given["wish"], given["object"]
     for table, names in (
         (wish, ("flux", "object_speed")),
-        (thing, ("mass", "restitution", "friction")),
+        (thing, ("mass", "restitution", "friction", "yaw")),
         (vars(setting), ("table_height", "margin", "objective", "away", "torque_limits", "seed")),
         (vars(setting), ("dt", "hits", "tolerance")),
     ):

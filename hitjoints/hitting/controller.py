@@ -20,10 +20,11 @@ from hitjoints.hit import Hit
 from hitjoints.hitting.braking import Brake, Braked
 from hitjoints.hitting.compiled_step import CompiledStep, compiles
 from hitjoints.hitting.desired import DesiredInertia, Weighting
-from hitjoints.hitting.field import RATE, SIGMA, HittingField
+from hitjoints.hitting.field import RATE, HittingField
 from hitjoints.hitting.laws import LawMotion, LawName, law_named
 from hitjoints.hitting.manipulability_posture import most_manipulable
 from hitjoints.hitting.step import SLOWED, STABLE, Gains, Step
+from hitjoints.hitting.step_length import wrong_step
 from hitjoints.hitting.step_tape import Setting
 from hitjoints.hitting.torque_limits import TorqueLimits
 from hitjoints.programs.joint_velocity import reachable_speed
@@ -39,7 +40,6 @@ ReferenceName = Literal["constant", "optimised"]
 BRAKING = 0.5  # share of the speed kept per step when no motion is certified
 TOUCH = 1e-6  # rad beyond a limit that rounding or a sensor may report of an arm that stands at it
 SHORTEST = 2e-5  # s, the shortest step: a quarter of what it costs
-MOST_STEPS = 100_000  # on the way to the object: ten seconds of computing
 
 
 class Controller:
@@ -112,8 +112,8 @@ class Controller:
         self._desired = DesiredInertia(self.point, self.direction, self.dt, weighting)
         self._constant: float | None = None
         if reference == "constant":
-            seen = self.point.observe(self.posture, self.direction).inertia
-            self._constant = seen if inertia is None else float(inertia)
+            seen = self.point.inertia(self.posture, self.direction) if inertia is None else inertia
+            self._constant = float(seen)
         self._lower, self._upper = robot.velocity_lower, robot.velocity_upper
         self._low, self._high, self._shape = robot.lower, robot.upper, (robot.n,)
         self._previous = np.zeros(robot.n)
@@ -158,16 +158,9 @@ class Controller:
         state = self.point.observe(q, self.direction)
         reach = reachable_speed(self.direction @ state.J, self._lower, self._upper)
         speed = min(self.hit.speed(state.inertia), reach)
-        if speed * self.dt > SIGMA:
-            expected = f"at a hitting speed of {speed:.3g} m/s at most {SIGMA / speed:.2g} s"
-            raise InputError("dt", self.dt, expected)
-        longest = MOST_STEPS * self.dt
-        if self.ahead(state.position) > speed * longest:
-            expected = (
-                f"{self.ahead(state.position):.3g} m at {speed:.3g} m/s take more than the "
-                f"{longest:.3g} s of {MOST_STEPS} steps; take longer steps, or a greater flux"
-            )
-            raise InputError("dt", self.dt, expected)
+        wrong = wrong_step(speed, self.ahead(state.position), self.dt)
+        if wrong:
+            raise InputError("dt", self.dt, wrong)
 
     def bounds(self, q: Array) -> tuple[Array, Array]:
         """Return the joint velocities (n,), (n,) rad/s that keep all limits for one step."""

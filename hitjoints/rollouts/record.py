@@ -119,16 +119,11 @@ class Rollout(Plotted):
     @property
     def why(self) -> str:
         """What keeps a controller of the real arm from following it; empty when it is sendable."""
-        told = {
-            f"accelerations are up to {self.acceleration_ratio_max:.3g} times their limits": (
-                self.acceleration_ratio_max > 1
-            ),
-            f"torques are up to {self.torque_ratio_max:.3g} times their limits": (
-                self.torque_ratio_max > 1
-            ),
-            "it does not end at rest": bool(np.abs(self.rows["qd"][-1]).max() > AT_REST),
-        }
-        return "; ".join(words for words, broken in told.items() if broken)
+        return why_not_sendable(
+            self.acceleration_ratio_max,
+            self.torque_ratio_max,
+            float(np.abs(self.rows["qd"][-1]).max()),
+        )
 
     @property
     def sendable(self) -> bool:
@@ -193,6 +188,22 @@ class Rollout(Plotted):
             "q0": self.rows["q"][0].tolist(),
             "q_hit": self.q_hit.tolist(),
         }
+
+
+def why_not_sendable(acceleration: float, torque: float, last: float) -> str:
+    """Return what keeps a controller of the real arm from following a motion.
+
+    Args:
+        acceleration: greatest in units of the limits, nan if these are not known.
+        torque: greatest in units of the limits, nan if these are not known.
+        last: rad/s, the greatest velocity at its end.
+    """
+    told = {
+        f"accelerations are up to {acceleration:.3g} times their limits": acceleration > 1,
+        f"torques are up to {torque:.3g} times their limits": torque > 1,
+        "it does not end at rest": last > AT_REST,
+    }
+    return "; ".join(words for words, broken in told.items() if broken)
 
 
 def flattened(dataset: Dataset) -> Dataset:
