@@ -129,21 +129,3 @@ def all_finite(array: NDArray[np.float64]) -> bool:
 
 def _brief(array: NDArray[np.float64]) -> str:
     return np.array2string(array, precision=4, threshold=6, separator=",").replace("\n", "")
-
-
-def box_axes(h: NDArray[np.float64], yaw: float) -> NDArray[np.float64]:
-    """Return the axes of a box along a direction, across it and upwards, turned about "upwards".
-
-    Args:
-        h: (3,) unit vector, the direction.
-        yaw: rad.
-
-    Returns:
-        (3, 3), an axis in each column.
-    """
-    across = np.cross([0.0, 0.0, 1.0], h)
-    size = float(np.linalg.norm(across))
-    across = across / size if size > 1e-9 else np.array([0.0, 1.0, 0.0])
-    c, s = np.cos(yaw), np.sin(yaw)
-    up = np.cross(h, across)
-    return np.column_stack((c * h + s * across, c * across - s * h, up))

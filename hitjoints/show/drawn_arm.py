@@ -16,7 +16,8 @@ from hitjoints.show.arm_faces import arm_faces, box_centre, box_faces
 from hitjoints.show.inertia_surface import inertia_surface, round_number
 from hitjoints.show.picture import Picture
 from hitjoints.show.style import colour_of
-from hitjoints.vectors import box_axes, points, unit
+from hitjoints.swings.clear_way import axes_along
+from hitjoints.vectors import points, unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -66,7 +67,7 @@ class BoxAt:
         edges, h = points(size, "object_size"), unit(direction)
         if edges.shape != (3,) or not (edges > 0).all():
             raise InputError("object_size", edges.tolist(), "three lengths above zero")
-        axes = np.eye(3) if yaw is None else box_axes(h, yaw)
+        axes = np.eye(3) if yaw is None else axes_along(h, yaw)
         centre = box_centre(robot, q, contact, h, edges, axes)
         return cls.placed(centre, edges, axes)
 
