@@ -100,7 +100,7 @@ from .quantities import (
     place_joint as place_joint,
 )
 from .rollouts.follow import rollout as rollout
-from .show.open_viewer import view as view
+from .show.viewer.open_viewer import view as view
 from .swings.make_swing import swing as swing
 from .swings.swing_record import Swing as Swing
 from .version import __version__ as __version__

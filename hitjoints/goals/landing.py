@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from hitjoints.dynamics.inertia import inverse_inertia
 from hitjoints.errors import InputError
-from hitjoints.goals.box_hit import Boxes, hit_boxes
-from hitjoints.goals.sliding import Support, slide_to_rest
+from hitjoints.goals.box_hit import Boxes, Departure, hit_boxes
+from hitjoints.goals.slide_path import SlidePath
+from hitjoints.goals.sliding import Support, slide_steps, slide_to_rest
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -96,34 +97,16 @@ def landing(  # noqa: PLR0913
         InputError: an argument cannot be used, or the direction is not level.
         InfeasibleError: the box would be missed, tip, or slide on its edge.
     """
-    if abs(hit.direction[2]) > LEVEL:
-        raise InputError("direction", hit.direction.tolist(), "a box slides after a level hit only")
-    for name in ("restitution", "friction"):
-        if getattr(hit, name) is None:
-            raise InputError(name, None, "where the object lands depends on it")
-    if not (math.isfinite(speed) and speed > 0):
-        raise InputError("speed", speed, "the contact moves at more than 0 m/s")
     if not (math.isfinite(tolerance) and tolerance > 0):
         raise InputError("tolerance", tolerance, "it is above 0 m")
     if samples < 2:
         raise InputError("samples", samples, "at least 2")
-    mobility = inverse_inertia(robot, q, hit.chosen_contact)
-    drawn = _draw(hit, samples, seed)
-    left = np.array([-hit.direction[1], hit.direction[0]])
-    axes = np.column_stack((hit.direction[:2], left))
-    # The first row is the hit without any spread.
-    yaw, offset = drawn["yaw"], drawn["offset"]
-    size = np.array(POINT_SIZE if hit.size is None else hit.size)
-    if hit.size is None:
-        yaw, offset = np.zeros_like(yaw), np.zeros_like(offset)
-    boxes = Boxes(drawn["mass"], size, yaw, offset, height, drawn["friction"])
-    normal = np.column_stack((np.cos(yaw), np.sin(yaw))) @ axes.T
-    felt = 1 / np.einsum("na,ab,nb->n", normal, mobility[:2, :2], normal)
-    departure = hit_boxes(boxes, felt, speed * drawn["speed"], drawn["restitution"])
+    blow = _struck(robot, q, hit, speed, _draw(hit, samples, seed), height)
+    left = blow.departure
     slide = slide_to_rest(
-        departure.velocity, departure.spin, size, drawn["friction"], yaw=yaw, support=support
+        left.velocity, left.spin, blow.size, blow.friction, yaw=blow.yaw, support=support
     )
-    places = hit.position[:2] + slide.displacement @ axes.T
+    places = hit.position[:2] + slide.displacement @ blow.axes.T
     nominal = np.append(places[0], hit.position[2])
     goal = nominal if hit.goal is None else hit.goal
     tried = places[1:]
@@ -137,6 +120,72 @@ def landing(  # noqa: PLR0913
         tolerance,
         float(np.mean(np.linalg.norm(tried - goal[:2], axis=1) <= tolerance)),
     )
+
+
+def slide_after(
+    robot: Robot, q: ArrayLike, hit: Hit, speed: float, *, support: Support = "face"
+) -> SlidePath:
+    """Return how a box, hit level on a table, slides to where `landing` says without any spread.
+
+    Args:
+        robot: as `landing`.
+        q: as `landing`.
+        hit: as `landing`; its spread plays no part.
+        speed: as `landing`.
+        support: as `landing`.
+
+    Raises:
+        InputError: as `landing`.
+        InfeasibleError: as `landing`.
+    """
+    blow = _struck(robot, q, hit, speed, _draw(hit, 0, 0), 0.0)
+    left = blow.departure
+    steps = slide_steps(
+        left.velocity, left.spin, blow.size, blow.friction, yaw=blow.yaw, support=support
+    )
+    rows = [(time[0], state[0]) for time, state in steps]
+    states = np.array([state for _, state in rows])
+    return SlidePath(
+        np.array([time for time, _ in rows]),
+        states[:, 3:5] @ blow.axes.T,
+        states[:, :2] @ blow.axes.T,
+        states[:, 5] - states[0, 5],
+    )
+
+
+class _Struck(NamedTuple):
+    """Boxes that were hit: how they leave, their edges, turn and friction, and the plane's axes."""
+
+    departure: Departure
+    size: Array
+    yaw: Array
+    friction: Array
+    axes: Array
+
+
+def _struck(
+    robot: Robot, q: ArrayLike, hit: Hit, speed: float, drawn: dict[str, Array], height: float
+) -> _Struck:
+    if abs(hit.direction[2]) > LEVEL:
+        raise InputError("direction", hit.direction.tolist(), "a box slides after a level hit only")
+    for name in ("restitution", "friction"):
+        if getattr(hit, name) is None:
+            raise InputError(name, None, "where the object lands depends on it")
+    if not (math.isfinite(speed) and speed > 0):
+        raise InputError("speed", speed, "the contact moves at more than 0 m/s")
+    mobility = inverse_inertia(robot, q, hit.chosen_contact)
+    left = np.array([-hit.direction[1], hit.direction[0]])
+    axes = np.column_stack((hit.direction[:2], left))
+    # The first row is the hit without any spread.
+    yaw, offset = drawn["yaw"], drawn["offset"]
+    size = np.array(POINT_SIZE if hit.size is None else hit.size)
+    if hit.size is None:
+        yaw, offset = np.zeros_like(yaw), np.zeros_like(offset)
+    boxes = Boxes(drawn["mass"], size, yaw, offset, height, drawn["friction"])
+    normal = np.column_stack((np.cos(yaw), np.sin(yaw))) @ axes.T
+    felt = 1 / np.einsum("na,ab,nb->n", normal, mobility[:2, :2], normal)
+    departure = hit_boxes(boxes, felt, speed * drawn["speed"], drawn["restitution"])
+    return _Struck(departure, size, yaw, drawn["friction"], axes)
 
 
 def _draw(hit: Hit, samples: int, seed: int) -> dict[str, Array]:
