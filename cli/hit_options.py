@@ -239,13 +239,17 @@ class AskedHit:
         base = Hit(**given) if self.base is None else self.base.changed(**given)
         return base.changed(setting=replace(base.setting, **setting))
 
-    def flux_hit(self, robot: Robot) -> Hit:
+    def flux_hit(self, robot: Robot, **setting: Any) -> Hit:
         """Return the one hit with a flux, the usual one if none is asked for.
+
+        Args:
+            robot: whose contact hits.
+            setting: as `hit`.
 
         Raises:
             InputError: a value cannot be used.
         """
-        hit = self.hit(self.contact(robot))
+        hit = self.hit(self.contact(robot), **setting)
         return hit if hit.flux is not None else hit.changed(flux=FLUX)
 
 

@@ -71,9 +71,9 @@ def options_of(hit: Hit) -> dict[str, Any]:
     wish, thing = given["wish"], given["object"]
     for table, names in (
         (wish, ("flux", "object_speed")),
-        (thing, ("mass", "restitution", "friction")),
+        (thing, ("mass", "restitution", "friction", "yaw")),
         (vars(setting), ("table_height", "margin", "objective", "away", "torque_limits", "seed")),
-        (vars(setting), ("dt",)),
+        (vars(setting), ("dt", "hits", "tolerance")),
     ):
         said |= {name: table[name] for name in names if table.get(name) is not None}
     if (joints := given.get("contact", {}).get("joints")) is not None:

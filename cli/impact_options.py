@@ -12,7 +12,7 @@ from .options import numbers
 
 if TYPE_CHECKING:
     from hitjoints.model.robot import Contact, Robot
-    from hitjoints.planning.real_arm import Drives
+    from hitjoints.swings.swing_record import Swing
 
 MODELS = ("rigid", "rotor", "composite", "elastic")
 CONTACT_TIME, RESTITUTION = 0.01, 0.5
@@ -83,25 +83,26 @@ class ImpactOptions(OptionGroup):
         elif self.impact not in (*MODELS, "all"):
             raise UnknownNameError("impact", self.impact, (*MODELS, "all"))
 
-    def drives(self) -> Drives | None:
-        """Return the model that a plan reckons with; None where none is asked for.
+    def setting(self) -> dict[str, Any]:
+        """Return what a hit keeps of it: the model that it is reckoned with, if one is asked for.
 
         Raises:
             UnknownNameError: no such model.
             BadParameter: an option that only a model reads.
         """
-        from hitjoints.planning.real_arm import Drives
+        from hitjoints.impact.drives import Drives
 
         if self.impact is None:
             self.check()
-            return None
-        return Drives(
+            return {}
+        drives = Drives(
             self.impact,
             CONTACT_TIME if self.contact_time is None else self.contact_time,
             RESTITUTION if self.restitution is None else self.restitution,
             of_joints(self.stiffness),
             of_joints(self.rotor_inertia),
         )
+        return {"drives": drives}
 
     def of(
         self, robot: Robot, q: Any, contact: Contact, direction: Any, mass: float, speed: float
@@ -140,6 +141,17 @@ class ImpactOptions(OptionGroup):
                 "stiffness_assumed": stiffness is None and robot.joint_stiffness is None,
             }
         return found
+
+
+def inertia_rows(swing: Swing) -> list[tuple[str, Any, str]]:
+    """Return lines of a table: the inertia that a swing reckons with, and that of the links."""
+    drives = swing.hit.setting.drives
+    if drives.rigid:
+        return [("inertia", swing.inertia, "kg")]
+    return [
+        (f"inertia shown, {drives.model}", swing.inertia, "kg"),
+        ("inertia of the links", swing.links_inertia, "kg"),
+    ]
 
 
 def impact_rows(impact: dict[str, Any]) -> list[tuple[str, Any, str]]:

@@ -1,7 +1,7 @@
 """Where each public name lives: the one list of them. Loaded on first use."""
 
-from .answers.answer import Answer as Answer
 from .answers.answer import answer as answer
+from .answers.answer_record import Answer as Answer
 from .dynamics.inertia import inverse_inertia as inverse_inertia
 from .dynamics.kinematics import (
     FeasibleDirections as FeasibleDirections,
@@ -42,6 +42,8 @@ from .goals.landing import Landing as Landing
 from .goals.landing import landing as landing
 from .hit import Hit as Hit
 from .hit_loading import load_hit as load_hit
+from .hit_setting import HitSetting as HitSetting
+from .hit_setting import RobotChoice as RobotChoice
 from .hitting.controller import Controller as Controller
 from .hitting.drive_limits import DriveLimits as DriveLimits
 from .impact.collision import (
@@ -56,6 +58,7 @@ from .impact.collision import (
 from .impact.collision import (
     required_speed as required_speed,
 )
+from .impact.drives import Drives as Drives
 from .impact.elastic import elastic_impact as elastic_impact
 from .impact.inertia_models import impact_inertia as impact_inertia
 from .impact.inertia_models import impact_inertia_gradient as impact_inertia_gradient
@@ -83,7 +86,6 @@ from .planning.learning.feasibility import (
 from .planning.plan_file import load_plan as load_plan
 from .planning.planner import plan as plan
 from .planning.posture import posture as posture
-from .planning.real_arm import Drives as Drives
 from .planning.room.clearance import clearance as clearance
 from .planning.room.surroundings import Surroundings as Surroundings
 from .planning.start import plan_start as plan_start
@@ -100,6 +102,9 @@ from .quantities import (
     place_joint as place_joint,
 )
 from .rollouts.follow import rollout as rollout
+from .rollouts.many_record import Rollouts as Rollouts
+from .rollouts.side_by_side import rollouts as rollouts
+from .show import figures as figures
 from .show.viewer.open_viewer import view as view
 from .swings.make_swing import swing as swing
 from .swings.swing_record import Swing as Swing

@@ -34,7 +34,7 @@ LEAST_FLUX = 1e-6
 
 OBJECT = ("position", "mass", "size", "yaw", "restitution", "friction", "spread")
 SURROUNDINGS = ("object_size", "table_height", "margin")
-HOW = ("objective", "deliverable", "away", "torque_limits", "seed", "dt", "q0")
+HOW = ("objective", "deliverable", "away", "torque_limits", "seed", "dt", "q0", "hits", "tolerance")
 LEVEL = 1e-6
 """m, and share of the way, up to which object and goal count as equally high."""
 
@@ -240,6 +240,7 @@ class Hit:
             "wish": {name: given.get(name) for name in ("goal", "direction", *HOW_HARD[1:])},
             "surroundings": {name: getattr(setting, name) for name in SURROUNDINGS},
             "how": {name: getattr(setting, name) for name in HOW},
+            "impact": setting.drives.as_dict(),
         }
         return told(tables)
 

@@ -16,6 +16,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from hitjoints.errors import InputError, shown
+from hitjoints.hit_setting import MOST_HITS, TOLERANCE
 
 SCHEMA = 1
 LARGEST = 2**20  # bytes
@@ -87,6 +88,18 @@ class HowTable(Table):
     seed: Seed = 0
     dt: float | None = None
     q0: list[float] | None = None
+    hits: Annotated[int, Field(ge=1, le=MOST_HITS)] = 1
+    tolerance: float = TOLERANCE
+
+
+class ImpactTable(Table):
+    """The model of the arm's drives."""
+
+    model: str = "rigid"
+    contact_time: float = 0.01
+    restitution: float = 0.5
+    stiffness: float | list[float] | None = None
+    rotor_inertia: float | list[float] | None = None
 
 
 class HitTables(Table):
@@ -99,6 +112,7 @@ class HitTables(Table):
     wish: WishTable
     surroundings: SurroundingsTable = SurroundingsTable()
     how: HowTable = HowTable()
+    impact: ImpactTable = ImpactTable()
 
 
 def read_tables(path: Path) -> HitTables:

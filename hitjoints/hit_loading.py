@@ -11,9 +11,15 @@ from hitjoints.errors import InputError
 from hitjoints.hit import HOW_HARD, OBJECT, Hit
 from hitjoints.hit_file import HitTables, check_tables, read_tables
 from hitjoints.hit_setting import HitSetting, RobotChoice
+from hitjoints.impact.drives import Drives
 from hitjoints.model.robot import Contact
 
-KEYS = {"contact": ("joint", "offset"), "object": OBJECT, "wish": ("goal", "direction", *HOW_HARD)}
+KEYS = {
+    "contact": ("joint", "offset"),
+    "object": OBJECT,
+    "wish": ("goal", "direction", *HOW_HARD),
+    "impact": ("impact", "contact_time"),
+}
 """The tables of a file that hold a hit's arguments."""
 
 
@@ -66,6 +72,7 @@ def _hit(tables: HitTables, source: str) -> Hit:
                 offset=offset if one is None else None,
                 **said["surroundings"] | _tuple(said["surroundings"], "object_size"),
                 **how | _tuple(how, "q0"),
+                drives=Drives(**said["impact"]),
             ),
         )
     except InputError as error:

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from hitjoints.errors import InputError
+from hitjoints.impact.drives import RIGID, Drives
 from hitjoints.loading.catalogue import robot_names
 from hitjoints.loading.load import load_robot
 from hitjoints.model.robot import Robot
+
+MOST_HITS = 6
+"""Of a sequence."""
+TOLERANCE = 0.05
+"""m, how far from the goal counts as there."""
 
 
 @dataclass(frozen=True)
@@ -87,6 +95,12 @@ class HitSetting:
         seed: of everything random.
         dt: s, of motions; None for their own.
         q0: (n,) rad, where motions start; None for what suits each.
+        drives: the model of the arm's drives that inertia and flux are reckoned with.
+        hits: how many hits the object may take to its goal.
+        tolerance: m, how far from the goal counts as there.
+
+    Raises:
+        InputError: hits or tolerance out of their range.
     """
 
     robot: RobotChoice | None = None
@@ -102,6 +116,15 @@ class HitSetting:
     seed: int = 0
     dt: float | None = None
     q0: tuple[float, ...] | None = None
+    drives: Drives = RIGID
+    hits: int = 1
+    tolerance: float = TOLERANCE
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.hits <= MOST_HITS or self.hits != int(self.hits):
+            raise InputError("hits", self.hits, f"a whole number from 1 to {MOST_HITS}")
+        if not (math.isfinite(self.tolerance) and self.tolerance > 0):
+            raise InputError("tolerance", self.tolerance, "it is above 0 m")
 
 
 USUAL = HitSetting()

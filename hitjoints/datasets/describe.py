@@ -55,13 +55,18 @@ UNITS = {
 PACKAGES = ("pin", "numpy")
 
 
+def versions() -> str:
+    """Return the versions of hitjoints and of what its numbers hang on."""
+    others = ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES)
+    return f"hitjoints {__version__} ({others})"
+
+
 def origin(robot: Robot) -> dict[str, Any]:
     """Return what a data set's numbers hang on: the robot and the versions."""
-    versions = ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES)
     return {
         "Conventions": "CF-1.11",
         "title": f"hitjoints: {robot.title}",
-        "source": f"hitjoints {__version__} ({versions})",
+        "source": versions(),
         "robot": robot.name,
         "robot_digest": robot.digest,
     }

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.dynamics.inertia import inverse_inertia
 from hitjoints.errors import InputError
-from hitjoints.goals.box_hit import Boxes, Departure, hit_boxes
+from hitjoints.goals.box_hit import Boxes
+from hitjoints.goals.box_rest import level_axes, send_boxes, strike_boxes
 from hitjoints.goals.slide_path import SlidePath
-from hitjoints.goals.sliding import Support, slide_steps, slide_to_rest
+from hitjoints.goals.sliding import Support, slide_steps
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from hitjoints.types import Array
 
 SAMPLES = 1000
-TOLERANCE = 0.05
-"""m, how far from the goal counts as there."""
 LEVEL = 1e-3
 """Greatest vertical part of a direction that counts as level."""
 POINT_SIZE = (1e-3, 1e-3, 1e-3)
@@ -73,8 +71,9 @@ def landing(  # noqa: PLR0913
     hit: Hit,
     speed: float,
     *,
+    off_centre: float = 0.0,
     height: float = 0.0,
-    tolerance: float = TOLERANCE,
+    tolerance: float | None = None,
     support: Support = "face",
     samples: int = SAMPLES,
     seed: int = 0,
@@ -87,8 +86,9 @@ def landing(  # noqa: PLR0913
         hit: the box: mass, restitution and friction are needed; size and yaw where it may turn;
             spread for what is not known exactly.
         speed: m/s, of the contact along the hit's direction at the impact.
+        off_centre: m, to the left from the line of the hit to the box's centre.
         height: m, of the contact above the box's centre of mass.
-        tolerance: m, around the goal.
+        tolerance: m, around the goal; the hit's.
         support: what carries the box, its "face" or its four "corners".
         samples: how many hits are tried.
         seed: of the spreads.
@@ -97,16 +97,16 @@ def landing(  # noqa: PLR0913
         InputError: an argument cannot be used, or the direction is not level.
         InfeasibleError: the box would be missed, tip, or slide on its edge.
     """
+    _check(hit, speed)
+    tolerance = hit.setting.tolerance if tolerance is None else tolerance
     if not (math.isfinite(tolerance) and tolerance > 0):
         raise InputError("tolerance", tolerance, "it is above 0 m")
     if samples < 2:
         raise InputError("samples", samples, "at least 2")
-    blow = _struck(robot, q, hit, speed, _draw(hit, samples, seed), height)
-    left = blow.departure
-    slide = slide_to_rest(
-        left.velocity, left.spin, blow.size, blow.friction, yaw=blow.yaw, support=support
-    )
-    places = hit.position[:2] + slide.displacement @ blow.axes.T
+    drawn = _draw(hit, samples, seed)
+    boxes = _boxes(hit, drawn, off_centre, height, support)
+    _, slide = send_boxes(robot, q, hit, boxes, speed * drawn["speed"], drawn["restitution"])
+    places = hit.position[:2] + slide.displacement @ level_axes(hit).T
     nominal = np.append(places[0], hit.position[2])
     goal = nominal if hit.goal is None else hit.goal
     tried = places[1:]
@@ -138,34 +138,21 @@ def slide_after(
         InputError: as `landing`.
         InfeasibleError: as `landing`.
     """
-    blow = _struck(robot, q, hit, speed, _draw(hit, 0, 0), 0.0)
-    left = blow.departure
+    _check(hit, speed)
+    drawn = _draw(hit, 0, 0)
+    boxes = _boxes(hit, drawn, 0.0, 0.0, support)
+    left = strike_boxes(robot, q, hit, boxes, speed * drawn["speed"], drawn["restitution"])
     steps = slide_steps(
-        left.velocity, left.spin, blow.size, blow.friction, yaw=blow.yaw, support=support
+        left.sliding, left.turning, boxes.size, boxes.friction, yaw=boxes.yaw, support=support
     )
     rows = [(time[0], state[0]) for time, state in steps]
-    states = np.array([state for _, state in rows])
-    return SlidePath(
-        np.array([time for time, _ in rows]),
-        states[:, 3:5] @ blow.axes.T,
-        states[:, :2] @ blow.axes.T,
-        states[:, 5] - states[0, 5],
-    )
+    times, states = np.array([time for time, _ in rows]), np.array([state for _, state in rows])
+    axes = level_axes(hit)
+    turned = states[:, 5] - states[0, 5]
+    return SlidePath(times, states[:, 3:5] @ axes.T, states[:, :2] @ axes.T, turned)
 
 
-class _Struck(NamedTuple):
-    """Boxes that were hit: how they leave, their edges, turn and friction, and the plane's axes."""
-
-    departure: Departure
-    size: Array
-    yaw: Array
-    friction: Array
-    axes: Array
-
-
-def _struck(
-    robot: Robot, q: ArrayLike, hit: Hit, speed: float, drawn: dict[str, Array], height: float
-) -> _Struck:
+def _check(hit: Hit, speed: float) -> None:
     if abs(hit.direction[2]) > LEVEL:
         raise InputError("direction", hit.direction.tolist(), "a box slides after a level hit only")
     for name in ("restitution", "friction"):
@@ -173,19 +160,17 @@ def _struck(
             raise InputError(name, None, "where the object lands depends on it")
     if not (math.isfinite(speed) and speed > 0):
         raise InputError("speed", speed, "the contact moves at more than 0 m/s")
-    mobility = inverse_inertia(robot, q, hit.chosen_contact)
-    left = np.array([-hit.direction[1], hit.direction[0]])
-    axes = np.column_stack((hit.direction[:2], left))
-    # The first row is the hit without any spread.
-    yaw, offset = drawn["yaw"], drawn["offset"]
+
+
+def _boxes(
+    hit: Hit, drawn: dict[str, Array], off_centre: float, height: float, support: Support
+) -> Boxes:
+    """Return a box for every try, the first for the hit without any spread."""
+    yaw, offset = drawn["yaw"], drawn["offset"] - off_centre
     size = np.array(POINT_SIZE if hit.size is None else hit.size)
     if hit.size is None:
         yaw, offset = np.zeros_like(yaw), np.zeros_like(offset)
-    boxes = Boxes(drawn["mass"], size, yaw, offset, height, drawn["friction"])
-    normal = np.column_stack((np.cos(yaw), np.sin(yaw))) @ axes.T
-    felt = 1 / np.einsum("na,ab,nb->n", normal, mobility[:2, :2], normal)
-    departure = hit_boxes(boxes, felt, speed * drawn["speed"], drawn["restitution"])
-    return _Struck(departure, size, yaw, drawn["friction"], axes)
+    return Boxes(drawn["mass"], size, yaw, offset, height, drawn["friction"], support)
 
 
 def _draw(hit: Hit, samples: int, seed: int) -> dict[str, Array]:

@@ -6,7 +6,12 @@ from typing import NamedTuple
 
 from hitjoints.hitting.field import RATE, SIGMA
 from hitjoints.hitting.step import STABLE
-from hitjoints.kernels.formulas.bounded import along_the_field, nearest_velocity, with_the_flux
+from hitjoints.kernels.formulas.bounded import (
+    Guess,
+    along_the_field,
+    nearest_velocity,
+    with_the_flux,
+)
 from hitjoints.kernels.formulas.chain import Chain
 from hitjoints.kernels.formulas.hit_formulas import Attachment, HitFormulas
 from hitjoints.kernels.formulas.links import TracedArm, dot, minus
@@ -31,6 +36,8 @@ SERIES = 14
 """Terms of the exponential's series, which is taken of an argument below one."""
 SQUARINGS = 10
 """How often it is squared afterwards."""
+EXACT = 1e-9
+"""m/s by which an answer may miss its equations."""
 FAR = 700.0
 """An exponent beyond which the exponential is as good as zero."""
 
@@ -70,9 +77,10 @@ class Setting(NamedTuple):
 def record_step_of(chain: Chain, contact: Attachment) -> Tape:
     """Record a control step.
 
-    Inputs: q (n), the guesses for Eq. 12 (n) and for the law (n + 1), the `Setting`. Outputs:
-    whether the step is usable (positive), how much the guesses changed, the next guesses, qd (n),
-    s, the contact's position (3), inertia, desired inertia, speed along the direction, flux, and
+    Inputs: q (n), the guesses for Eq. 12 (n) and for the law (n + 1), the `Setting`, and 1 to
+    change one entry of each guess only, else 0. Outputs: whether a step can be made so (positive),
+    whether this one misses nothing (positive), how much the guesses changed, the next guesses, qd
+    (n), s, the contact's position (3), inertia, desired inertia, speed along the direction, flux,
     whether the wish is out of reach (1 or 0), the gradient (n).
 
     Args:
@@ -80,12 +88,12 @@ def record_step_of(chain: Chain, contact: Attachment) -> Tape:
         contact: as `Chain.attach` returns it.
     """
     n = chain.size
-    tracer = Tracer(3 * n + 1 + 15 + n)
+    tracer = Tracer(3 * n + 1 + 15 + n + 1)
     numbers = tracer.inputs
     q = numbers[:n]
     first: list[Scalar] = list(numbers[n : 2 * n])
     second: list[Scalar] = list(numbers[2 * n : 3 * n + 1])
-    given = _setting(numbers[3 * n + 1 :])
+    given, one_by_one = _setting(numbers[3 * n + 1 : -1]), numbers[-1]
     hit = _hit(chain, contact, q, given)
     J = _columns(hit, n)
     inertia, gradient = hit.finite_inertia(), _gradient(hit)
@@ -98,9 +106,10 @@ def record_step_of(chain: Chain, contact: Attachment) -> Tape:
     asked = where_less(reach, wanted, WITHIN_REACH * reach, wanted)
     position = hit.arm.position(hit.last, hit.point)
     f = _field(given, position, speed)
-    nearest, regular = nearest_velocity(J, f)
+    nearest, usable = nearest_velocity(J, f)
+    weights, bounds = _weights(gradient, given), (lower, upper)
     desired_step = with_the_flux(
-        J, f, given.direction, asked, nearest, _weights(gradient, given), (lower, upper), first
+        J, f, given.direction, asked, nearest, weights, bounds, Guess(first, one_by_one)
     )
     ahead = _hit(
         chain,
@@ -115,10 +124,9 @@ def record_step_of(chain: Chain, contact: Attachment) -> Tape:
         given.posture_gain * (p - a) - gain * d
         for p, a, d in zip(given.posture, q, gradient, strict=True)
     ]
-    law = along_the_field(J, f, wish, (lower, upper), second, PROGRESS)
+    law = along_the_field(J, f, wish, bounds, Guess(second, one_by_one), PROGRESS)
     qd, s = law.x[:-1], law.x[-1]
     along = product(hit.g, qd)
-    usable = minimum(minimum(law.regular, desired_step.regular), regular)
     for limited in (hit, ahead):
         usable = minimum(usable, product(limited.g, limited.g) - limited.floor)
     for value, link in zip(q, chain.links, strict=True):
@@ -128,6 +136,7 @@ def record_step_of(chain: Chain, contact: Attachment) -> Tape:
     return tracer.program(
         [
             usable,
+            EXACT - (law.miss + desired_step.miss),
             maximum(law.changed, desired_step.changed),
             *desired_step.sides,
             *law.sides,

@@ -41,21 +41,109 @@ def composite_inertia(robot: Robot, q: Array, contact: Contact, h: Array) -> Arr
     Returns:
         (N,) kg.
     """
+    body = _locked(robot, q)
+    twist = np.cross(body.point(contact) - body.centre, h)
+    spin = np.linalg.solve(body.inertia, twist[:, :, None])[:, :, 0]
+    return np.asarray(1.0 / (1.0 / body.mass + np.einsum("ni,ni->n", twist, spin)))
+
+
+def composite_mobility(robot: Robot, q: Array, contact: Contact) -> Array:
+    """Return the inverse inertia (3, 3) 1/kg of the locked arm at a contact, for one q (n,) rad."""
+    body = _locked(robot, q[None])
+    lever = np.cross((body.point(contact) - body.centre)[0], np.eye(3))  # rows r x e_i
+    return np.asarray(np.eye(3) / body.mass + lever @ np.linalg.solve(body.inertia[0], lever.T))
+
+
+def composite_inertia_gradient(robot: Robot, q: Array, contact: Contact, h: Array) -> Array:
+    """Return the exact gradient of `composite_inertia` by the joint positions.
+
+    A joint carries the links beyond it: what it turns or shifts moves their centres, turns their
+    inertias, and shifts the common centre by their share of the mass.
+
+    Args:
+        robot: as `composite_inertia`.
+        q: as `composite_inertia`.
+        contact: as `composite_inertia`.
+        h: as `composite_inertia`.
+
+    Returns:
+        (N, n) kg/rad.
+    """
+    body, bodies = _locked(robot, q), _bodies(robot)
+    point = body.point(contact)
+    arm = point - body.centre
+    twist = np.cross(arm, h)
+    spin = np.linalg.solve(body.inertia, twist[:, :, None])[:, :, 0]
+    value = 1.0 / (1.0 / body.mass + np.einsum("ni,ni->n", twist, spin))
+    gradient = np.empty(q.shape)
+    lever = body.centres - body.centre
+    for k in range(q.shape[1]):
+        axis = body.turns[k] @ bodies.axis[k]
+
+        def velocity(of: Array, k: int = k, axis: Array = axis) -> Array:
+            """Return how points (..., N, 3) beyond joint k move with it."""
+            if bodies.prismatic[k]:
+                return np.broadcast_to(axis, of.shape)
+            return np.cross(axis, of - body.places[k])
+
+        carried = bodies.mass[k:, None, None] * velocity(body.centres[k:])
+        drift = carried.sum(axis=0) / body.mass
+        moved = velocity(point) if contact.joint > k else np.zeros_like(point)
+        twisted = np.cross(moved - drift, h)
+        # About the common centre the first moments vanish: the drift leaves the inertia alone.
+        twofold = 2.0 * np.einsum("kni,kni->n", lever[k:], carried)[:, None, None] * np.eye(3)
+        outer = np.einsum("kni,knj->nij", lever[k:], carried)
+        change = twofold - outer - outer.transpose(0, 2, 1)
+        if not bodies.prismatic[k]:
+            own = body.own[k:].sum(axis=0)
+            turned = np.cross(axis[:, None, :], own.transpose(0, 2, 1)).transpose(0, 2, 1)
+            change += turned + turned.transpose(0, 2, 1)
+        slope = 2.0 * np.einsum("ni,ni->n", twisted, spin)
+        slope -= np.einsum("ni,nij,nj->n", spin, change, spin)
+        gradient[:, k] = -(value**2) * slope
+    return gradient
+
+
+class Locked(NamedTuple):
+    """The arm as one body over rows of configurations, and what it is made of.
+
+    Attributes:
+        mass: kg.
+        centre: (N, 3) m, of mass.
+        inertia: (N, 3, 3) kg m^2 about it.
+        turns: (n, N, 3, 3), rotations of the links.
+        places: (n, N, 3) m, origins of the links.
+        centres: (n, N, 3) m, centres of the links.
+        own: (n, N, 3, 3) kg m^2, inertias of the links about their own centres.
+    """
+
+    mass: float
+    centre: Array
+    inertia: Array
+    turns: Array
+    places: Array
+    centres: Array
+    own: Array
+
+    def point(self, contact: Contact) -> Array:
+        """Return where a contact is, (N, 3) m."""
+        at = contact.joint - 1
+        return np.asarray(self.places[at] + self.turns[at] @ np.array(contact.offset))
+
+
+def _locked(robot: Robot, q: Array) -> Locked:
     bodies = _bodies(robot)
     turns, places = _poses(bodies, q)
     centres = places + np.einsum("knij,kj->kni", turns, bodies.centre)
-    mass = bodies.mass.sum()
+    mass = float(bodies.mass.sum())
     centre = np.einsum("k,kni->ni", bodies.mass, centres) / mass
     lever = centres - centre
-    inertia = np.einsum("knij,kjl,knml->nim", turns, bodies.inertia, turns)
+    own = np.einsum("knij,kjl,knml->knim", turns, bodies.inertia, turns)
+    inertia = own.sum(axis=0)
     square = np.einsum("k,kni,kni->n", bodies.mass, lever, lever)
     inertia += square[:, None, None] * np.eye(3)
     inertia -= np.einsum("k,kni,knj->nij", bodies.mass, lever, lever)
-    at = contact.joint - 1
-    point = places[at] + turns[at] @ np.array(contact.offset)
-    twist = np.cross(point - centre, h)
-    spin = np.linalg.solve(inertia, twist[:, :, None])[:, :, 0]
-    return np.asarray(1.0 / (1.0 / mass + np.einsum("ni,ni->n", twist, spin)))
+    return Locked(mass, centre, inertia, turns, places, centres, own)
 
 
 def _poses(bodies: Bodies, q: Array) -> tuple[Array, Array]:

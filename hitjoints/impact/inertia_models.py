@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from hitjoints.errors import UnknownNameError
-from hitjoints.impact.composite import composite_inertia
+from hitjoints.impact.composite import composite_inertia, composite_inertia_gradient
 from hitjoints.impact.rotor import with_rotors
 from hitjoints.quantities import checked, directional_inertia, directional_inertia_gradient
 
@@ -64,7 +64,7 @@ def impact_inertia_gradient(
     q: ArrayLike,
     contact: Contact | int,
     direction: ArrayLike,
-    model: Literal["rigid", "rotor"] = "rigid",
+    model: InertiaModel = "rigid",
     *,
     rotor_inertia: ArrayLike | None = None,
 ) -> NDArray[np.float64]:
@@ -76,7 +76,11 @@ def impact_inertia_gradient(
     Returns:
         kg/rad: (n,) for one configuration, (N, n) for rows.
     """
-    if model not in ("rigid", "rotor"):
-        raise UnknownNameError("model", model, ("rigid", "rotor"))
+    if model not in INERTIA_MODELS:
+        raise UnknownNameError("model", model, INERTIA_MODELS)
+    if model == "composite":
+        contact, q, h = checked(robot, q, contact, direction)
+        slopes = composite_inertia_gradient(robot, np.atleast_2d(q), contact, h)
+        return slopes if q.ndim == 2 else slopes[0]
     arm = robot if model == "rigid" else with_rotors(robot, rotor_inertia)
     return directional_inertia_gradient(arm, q, contact, direction)

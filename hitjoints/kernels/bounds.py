@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pinocchio as pin
@@ -13,7 +13,8 @@ from hitjoints.kernels.formulas.hit_formulas import Attachment, record_variation
 from hitjoints.kernels.kernel import Kernel, build_kernel
 from hitjoints.kernels.outputs import record
 from hitjoints.kernels.tape import interval_backend as ia
-from hitjoints.kernels.tape.interval_backend import Array, Interval, IntervalProgram
+from hitjoints.kernels.tape.backends import over_boxes
+from hitjoints.kernels.tape.interval_backend import Array, Interval
 from hitjoints.tolerances import MOBILITY_FLOOR
 
 
@@ -32,8 +33,8 @@ class InertiaBounds:
     """
 
     def __init__(self, chain: Chain, contact: Attachment, centre: Kernel, index: int) -> None:
-        self.natural = IntervalProgram(record(chain, [contact], ("mobility", "mobility_gradient")))
-        self.variation = IntervalProgram(record_variation(chain, contact))
+        self.natural = over_boxes(record(chain, [contact], ("mobility", "mobility_gradient")))
+        self.variation = over_boxes(record_variation(chain, contact))
         self.centre, self.index = centre, index
 
     def __call__(self, box: Interval, h: Array, threads: int | None) -> Interval:
@@ -77,7 +78,7 @@ class Bounds:
     def __init__(
         self,
         kernel: Kernel,
-        natural: IntervalProgram,
+        natural: Callable[[list[Interval], int], Interval],
         inertia: list[InertiaBounds],
         outputs: tuple[str, ...],
     ) -> None:
@@ -148,7 +149,7 @@ def build_bounds(
     kernel = build_kernel(model, contacts, ("mobility", "response"), backend)
     chain = Chain.from_model(model)
     attached = [chain.attach(*contact) for contact in kernel.contacts]
-    natural = IntervalProgram(record(chain, attached, tuple(outputs)))
+    natural = over_boxes(record(chain, attached, tuple(outputs)))
     inertia = [
         InertiaBounds(chain, contact, kernel, k)
         for k, contact in enumerate(attached)

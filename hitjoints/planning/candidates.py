@@ -13,6 +13,7 @@ from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import SolverError
 from hitjoints.hitting.deliverable import deliverable_speed
 from hitjoints.impact.collision import hitting_flux
+from hitjoints.impact.composite import composite_inertia
 from hitjoints.quantities import hitting_speed
 
 if TYPE_CHECKING:
@@ -44,8 +45,10 @@ class Candidate:
         away_gap: m, that number.
         clearance: least distances (m) at q and on the straight approach, see `Clearance`.
         offset: (3,) m, of the contact in the joint's frame.
-        links_inertia: kg, that of the links alone, where `inertia` is what a model of the drives
-            shows at the best configuration of the links; else None.
+        links_inertia: kg, that of the links alone, where `inertia` is what elastic joints show at
+            the best configuration of the links; else None.
+        arrives: share of the objects that rest within the tolerance of the goal, where the plan
+            was made by that.
         evidence: samples, admissible, local_optima, restarts, spread, agreeing, certificate.
     """
 
@@ -66,6 +69,7 @@ class Candidate:
     clearance: dict[str, Any] | None = None
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
     links_inertia: float | None = None
+    arrives: float | None = None
     evidence: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def as_dict(self) -> dict[str, Any]:
@@ -98,6 +102,7 @@ class Refusal:
     away_gap: ClassVar[None] = None
     clearance: ClassVar[None] = None
     links_inertia: ClassVar[None] = None
+    arrives: ClassVar[None] = None
 
     joint: int
     feasible: Literal[False] = field(default=False, init=False)
@@ -139,6 +144,8 @@ def measure(task: Task, q: Array) -> dict[str, Any]:
     """
     robot, h = task.robot, task.direction
     inertia = inertia_along(robot, q, task.contact, h)
+    if task.hit.setting.drives.model == "composite":
+        inertia = float(composite_inertia(robot, q[None], task.contact, h[None])[0])
     speed, straight = (hitting_speed(robot, q, task.contact, h, straight=s) for s in (False, True))
     straight = max(straight, 0.0)
     deliverable, unknown = None, None

@@ -45,6 +45,7 @@ class CandidateTable(Table):
     away_gap: float | None
     clearance: dict[str, Any] | None
     links_inertia: float | None
+    arrives: float | None
     evidence: dict[str, Any]
 
 
@@ -90,7 +91,6 @@ class PlanTables(Table):
     made_with: str
     robot: str
     flux_by: str | None
-    impact: str
     best: CandidateTable | None
     candidates: list[CandidateTable] = Field(min_length=1)
     start: StartTable | None
@@ -120,7 +120,7 @@ def load_plan(path: str | Path) -> Plan:
     start = None if said.start is None else _made(Start, said.start)
     costs = tuple(_made(TorqueCost, table) for table in said.torque_costs)
     told = said.robot, hit, best, candidates, said.digest, said.made_with, start, costs
-    return Plan(*told, deliverable=said.flux_by == "deliverable", impact=said.impact)
+    return Plan(*told, deliverable=said.flux_by == "deliverable")
 
 
 def _read(path: Path) -> PlanTables:

@@ -4,23 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hitjoints.datasets.describe import origin
-from hitjoints.errors import InputError
+from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.first_argument import by_first_argument
+from hitjoints.goals.landing import landing
 from hitjoints.hit import Hit, check_flux
 from hitjoints.hit_setting import HitSetting, RobotChoice
 from hitjoints.hitting.drive_limits import drive_limits
 from hitjoints.impact.collision import required_speed
+from hitjoints.impact.drives import RIGID, Drives
 from hitjoints.loading.catalogue import robot_names
+from hitjoints.model.robot import Contact
 from hitjoints.planning.candidates import Candidate, Verdict
 from hitjoints.planning.joint_plan import plan_joint
 from hitjoints.planning.objectives.registry import objective_named
 from hitjoints.planning.plan_record import Plan
-from hitjoints.planning.real_arm import Drives
+from hitjoints.planning.real_arm import ranked_again
 from hitjoints.planning.request import Request
 from hitjoints.planning.room.surroundings import Surroundings
 from hitjoints.planning.start import Start, fastest_start, plan_start
@@ -31,7 +35,7 @@ from hitjoints.vectors import points, positive_mass, unit
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from hitjoints.model.robot import Contact, Robot
+    from hitjoints.model.robot import Robot
     from hitjoints.types import Array
 
 
@@ -53,7 +57,8 @@ def plan(  # noqa: PLR0913
     hints: Mapping[int, ArrayLike] | None = None,
     torque_limits: bool = False,
     deliverable: bool = False,
-    drives: Drives | None = None,
+    drives: Drives = RIGID,
+    arrives: Callable[[Candidate], float] | None = None,
 ) -> Plan:
     """Choose the joint and the configuration for a hit.
 
@@ -65,8 +70,9 @@ def plan(  # noqa: PLR0913
         joints: hitting joints (or contacts); the robot's own when not given.
         objective: "inertia" (Eq. 14), "flux" (Eq. 10 with the speed of Eq. 9), "straight-flux"
             (the same for motion exactly along the direction), "deliverable" (the same for a motion
-            that comes from rest and stops within the arm's limits), or "rebound" (the least Eq. 11
-            among the configurations that can reach `flux`: the greatest inertia among them).
+            that comes from rest and stops within the arm's limits), "rebound" (the least Eq. 11
+            among the configurations that can reach `flux`: the greatest inertia among them), or
+            "landing" (the greatest share of objects that arrive at a hit's goal).
         flux: m/s that the hit must be able to reach (Eq. 10); "rebound" needs one.
         deliverable: `flux` has to be deliverable in the sense above; the arm's acceleration limits
             have to be known.
@@ -81,8 +87,9 @@ def plan(  # noqa: PLR0913
             object, such as `Feasibility.propose` gives; not used when there is a `flux`.
         start: plan the start of the best hit too: for `flux`, or the fastest there is.
         drives: model of the arm's drives: the inertia, and what follows from it, is then what the
-            arm shows in a hit. "rotor" is exact; by "composite" and "elastic" each joint's best
-            configuration of the links alone is ranked again.
+            arm shows in a hit. "rotor" is planned for exactly, "composite" without a certificate;
+            by "elastic" each joint's best configuration of the links alone is ranked again.
+        arrives: returns the share of objects that arrive, for "landing".
         torque_limits: the start is one from rest, with the way that the motors need; and for every
             joint find what torque limits cost.
 
@@ -94,10 +101,11 @@ def plan(  # noqa: PLR0913
         SolverError: a configuration found failed the final check.
     """
     wanted = objective_named(objective)
-    drives = drives or Drives()
     digest, robot = robot.digest, drives.arm(robot)
     if wanted.needs_flux and flux is None:
         raise InputError("flux", flux, f"{objective} needs the flux to be reached (m/s)")
+    if wanted.needs_goal and arrives is None:
+        raise InputError("objective", objective, "a hit with a goal is needed (`hj.Hit`)")
     if flux is not None:
         check_flux(flux)
     mass = positive_mass(mass)
@@ -109,7 +117,8 @@ def plan(  # noqa: PLR0913
         if vector.shape != (3,):
             raise InputError(name, f"shape {vector.shape}", "three numbers x,y,z")
     along = np.asarray(direction, dtype=float)  # normalised once, by the hit
-    tasks = [Task(robot, Hit(c, target, along, mass), target, away) for c in contacts]
+    by = HitSetting(drives=drives)
+    tasks = [Task(robot, Hit(c, target, along, mass, setting=by), target, away) for c in contacts]
     request = Request(wanted, flux, deliverable and flux is not None, seed, certificate)
     if wanted.stopping or request.deliverable:
         drive_limits(robot)  # are they known?
@@ -121,8 +130,10 @@ def plan(  # noqa: PLR0913
         one = plan_joint(task, replace(request, accept=demands, hints=near))
         if one.q is not None and surroundings is not None:
             one = replace(one, clearance=surroundings.report(robot, one.q, task.contact, h))
-        if one.feasible and drives.ranks_again:
-            one = drives.shown(task, one)
+        if one.feasible and drives.model == "elastic":
+            one = ranked_again(task, one)
+        if one.feasible and arrives is not None:
+            one = replace(one, arrives=arrives(replace(one, offset=task.contact.offset)))
         found.append(replace(one, offset=task.contact.offset))
     best, candidates = _compare(found, wanted.ranked_by)
     begin = None
@@ -144,6 +155,7 @@ def plan(  # noqa: PLR0913
         away=away,
         torque_limits=torque_limits,
         seed=seed,
+        drives=drives,
     )
     return Plan(
         robot.name,
@@ -155,7 +167,6 @@ def plan(  # noqa: PLR0913
         begin,
         costs,
         request.deliverable,
-        drives.model,
     )
 
 
@@ -173,23 +184,25 @@ def _setting(robot: Robot, contacts: Sequence[Contact] | None, around: Surroundi
 
 
 @plan.register(Hit)
-def plan_hit(
-    hit: Hit, robot: Robot | None = None, certificate: bool = True, drives: Drives | None = None
-) -> Plan:
+def plan_hit(hit: Hit, robot: Robot | None = None, certificate: bool = True) -> Plan:
     """Choose the joint and the configuration for a hit that says all the rest itself.
 
     Args:
         hit: what is asked, with the arm and how to plan in its setting.
         robot: the arm, if it is loaded already.
         certificate: as `plan`.
-        drives: as `plan`.
     """
     setting = hit.setting
     if robot is None:
         if setting.robot is None:
             raise InputError("robot", None, "the hit does not say with which arm")
         robot = setting.robot.load()
-    asked = setting.deliverable
+    asked, drives = setting.deliverable, setting.drives
+    if hit.restitution is not None:
+        drives = replace(drives, restitution=hit.restitution)
+    needs_goal = objective_named(setting.objective).needs_goal
+    if needs_goal and hit.goal is None:
+        raise InputError("objective", setting.objective, "it needs a goal")
     planned: Plan = plan(
         robot,
         hit.position,
@@ -206,8 +219,19 @@ def plan_hit(
         torque_limits=setting.torque_limits,
         deliverable=robot.acceleration is not None if asked is None else asked,
         drives=drives,
+        arrives=partial(_arriving, robot, hit) if needs_goal else None,
     )
     return replace(planned, hit=hit)
+
+
+def _arriving(robot: Robot, hit: Hit, one: Candidate) -> float:
+    """Return the share of objects that arrive when a candidate hits as hard as it should."""
+    chosen = hit.with_contact(Contact(one.joint, one.offset))
+    speed = required_speed(one.inertia, hit.mass, hit.desired_flux)
+    try:
+        return landing(robot, one.q, chosen, speed, seed=hit.setting.seed).within
+    except InfeasibleError:  # none of them simply slides
+        return 0.0
 
 
 def _demands(

@@ -9,8 +9,9 @@ import numpy as np
 
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.programs.infeasibility import show_blocked
-from hitjoints.programs.problem import Program, Residuals
+from hitjoints.programs.problem import Program, Residuals, residuals
 from hitjoints.programs.solver import solve
+from hitjoints.programs.straight_answer import certified_motion
 from hitjoints.tolerances import rank_floor
 from hitjoints.vectors import real, unit
 
@@ -57,11 +58,7 @@ def box_speed(pull: ArrayLike, lower: ArrayLike, upper: ArrayLike) -> tuple[floa
     """
     g = _finite("pull", pull)
     low, high = _finite("lower", lower, g.size), _finite("upper", upper, g.size)
-    blocked = show_blocked(Program(-g, low, high))
-    if blocked is not None:
-        raise InfeasibleError(blocked.reason, {"shortfall": blocked.shortfall})
-    qd = np.where(g > 0, high, np.where(g < 0, low, np.clip(0.0, low, high)))
-    return float(g @ qd), qd
+    return _over_the_box(Program(-g, low, high))
 
 
 def step_bounds(
@@ -159,9 +156,30 @@ def solve_hitting_speed(
         InfeasibleError: no velocity within the limits meets the rows.
         SolverError: the answer could not be certified.
     """
-    program = build_hitting_speed(jacobian, direction, lower, upper, straight)
+    quick = certified_motion(jacobian, direction, lower, upper) if straight else None
+    if quick is None:
+        program = build_hitting_speed(jacobian, direction, lower, upper, straight)
+        if not straight:
+            speed, qd = _over_the_box(program)
+            own = residuals(program, qd, program.b, program.d, -program.c)
+            return HittingSpeed(speed, qd, own)
+        given = (jacobian, direction, lower, upper)
+        quick = certified_motion(*(np.array(values, dtype=float) for values in given))
+    if quick is not None:
+        speed, qd, primal, gap = quick
+        return HittingSpeed(speed, qd, Residuals(primal, 0.0, gap))
     found = solve(program)
     return HittingSpeed(-float(program.c @ found.x), found.x, found.residuals)
+
+
+def _over_the_box(program: Program) -> tuple[float, Vector]:
+    """Return the speed and velocity of a program without rows, in closed form."""
+    blocked = show_blocked(program)
+    if blocked is not None:
+        raise InfeasibleError(blocked.reason, {"shortfall": blocked.shortfall})
+    g, low, high = -program.c, program.lower, program.upper
+    qd = np.where(g > 0, high, np.where(g < 0, low, np.clip(0.0, low, high)))
+    return float(g @ qd), qd
 
 
 def _sideways(J: Matrix, h: Vector) -> Matrix:

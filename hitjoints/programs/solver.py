@@ -8,7 +8,7 @@ import numpy as np
 
 from hitjoints.errors import InfeasibleError, SolverError
 from hitjoints.programs import proxqp
-from hitjoints.programs.active_set import polish
+from hitjoints.programs.active_set import polish, settle
 from hitjoints.programs.infeasibility import (
     Infeasibility,
     phase_one,
@@ -92,6 +92,9 @@ def _polished(program: Program, small: Scaled, u: Vector, y: Vector, z: Vector) 
     point = tuple(np.where(np.isfinite(part), part, 0.0) for part in (u, y, z))
     first, best = point, None
     for _ in range(POLISHES):
+        settled = _measured(program, small, *settle(small.program, *point))
+        if settled.residuals.worst <= EXACT:
+            return settled
         point = polish(small.program, *point)
         polished = _measured(program, small, *point)
         best = polished if best is None else _better(polished, best)

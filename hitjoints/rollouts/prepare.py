@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from hitjoints.dynamics.contact_point import ContactPoint
 from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.impact.drives import RIGID
+from hitjoints.impact.shown_inertia import shown_inertia
 from hitjoints.planning.planner import plan
 from hitjoints.planning.start import plan_start
 from hitjoints.programs.joint_velocity import WITHIN_REACH
@@ -36,7 +39,7 @@ class Preparation(NamedTuple):
     q_hit: Array
 
 
-def prepare(
+def prepare(  # noqa: PLR0913
     robot: Robot,
     hit: Hit,
     *,
@@ -45,6 +48,7 @@ def prepare(
     q_hit: ArrayLike | None = None,
     run_up: float | None = None,
     torque_limits: bool = False,
+    acceleration_limits: bool | ArrayLike = False,
     seed: int = 0,
 ) -> Preparation:
     """Find what is not given: a hitting configuration that has the flux, and a start behind it.
@@ -58,6 +62,7 @@ def prepare(
         run_up: m, along the direction; what the field needs by default, and with torque limits
             the motors.
         torque_limits: a planned start has the way that the motors need to reach the speed.
+        acceleration_limits: the same for these; see `Controller`.
         seed: of the samples.
 
     Raises:
@@ -72,8 +77,9 @@ def prepare(
         begin = robot.within_limits(q0, "q0")
         end = placed(robot, point.contact, hit.position, begin) if q_hit is None else q_hit
         return Preparation(_behind(point, hit, begin, "q0"), _at_object(point, hit, end))
+    kept = {"torque_limits": torque_limits, "acceleration_limits": acceleration_limits}
     if q_hit is None:
-        q_hit, found = _planned(point, hit, run_up, torque_limits, seed)
+        q_hit, found = _planned(point, hit, run_up, kept, seed)
         if start is None:
             return Preparation(found.q, q_hit)
     q_hit = _at_object(point, hit, q_hit)
@@ -81,14 +87,29 @@ def prepare(
         begin = placed(robot, point.contact, points(start, "start"), q_hit)
         return Preparation(_behind(point, hit, begin, "start"), q_hit)
     _refuse_flux(point, hit, q_hit)
-    found = _start(point, hit, q_hit, run_up, torque_limits)
+    found = _start(point, hit, q_hit, run_up, kept)
     if not found.feasible:
         raise InfeasibleError(found.reason, {"run_up": found.run_up})
     return Preparation(found.q, q_hit)
 
 
+def by_links(robot: Robot, hit: Hit, q: Array) -> Hit:
+    """Return the hit as an arm of links makes it at q (n,) rad: with the speed that is asked for.
+
+    A model of the drives shows another inertia, and makes the flux asked for of another speed.
+    """
+    drives = hit.setting.drives
+    if drives.rigid or hit.flux is None:
+        return hit
+    contact = robot.contact(hit.chosen_contact)
+    speed = hit.speed(float(shown_inertia(robot, q[None], contact, hit, drives)[0]))
+    links = ContactPoint(robot, contact).inertia(q, hit.direction)
+    alone = replace(hit.setting, drives=RIGID)
+    return hit.with_flux(hit.flux_of(links, speed)).changed(setting=alone)
+
+
 def _planned(
-    point: ContactPoint, hit: Hit, run_up: float | None, torque_limits: bool, seed: int
+    point: ContactPoint, hit: Hit, run_up: float | None, kept: dict[str, Any], seed: int
 ) -> tuple[Array, Start]:
     """Return the hitting configuration of greatest straight flux that has a run-up, and that."""
     starts: list[Start] = []
@@ -96,7 +117,7 @@ def _planned(
     def has_run_up(q: Array) -> bool:
         if not starts:
             _refuse_flux(point, hit, q)  # the first is the best: none has more
-        starts.append(_start(point, hit, q, run_up, torque_limits))
+        starts.append(_start(point, hit, q, run_up, kept))
         return starts[-1].feasible or len(starts) >= TRIES
 
     planned = plan(
@@ -120,13 +141,13 @@ def _planned(
 
 
 def _start(
-    point: ContactPoint, hit: Hit, q: Array, run_up: float | None, torque_limits: bool
+    point: ContactPoint, hit: Hit, q: Array, run_up: float | None, kept: dict[str, Any]
 ) -> Start:
     robot, contact, h = point.robot, point.contact, hit.direction
     straight = hitting_speed(robot, q, contact, h, straight=True)
     # What the controller asks for too: at the very maximum round-off decides if there is a way.
     speed = min(hit.speed(point.inertia(q, h)), WITHIN_REACH * straight)
-    return plan_start(robot, q, contact, h, speed, run_up=run_up, torque_limits=torque_limits)
+    return plan_start(robot, q, contact, h, speed, run_up=run_up, **kept)
 
 
 def _refuse_flux(point: ContactPoint, hit: Hit, q: Array) -> None:

@@ -18,9 +18,12 @@ if TYPE_CHECKING:
 def as_rollout(swing: Swing) -> Rollout:
     """Return a swing's samples and impact as a rollout has them.
 
-    A row's qd is the velocity at the row; of a rollout it is kept until the next one.
+    Inertia and flux are those of the links, whatever model of the drives the swing reckons with. A
+    row's qd is the velocity at the row; of a rollout it is kept until the next one.
     """
-    robot, hit, joints = swing.robot, swing.hit.with_flux(swing.flux), swing.joints
+    links = swing.links_inertia
+    flux = swing.hit.flux_of(links, swing.speed)
+    robot, hit, joints = swing.robot, swing.hit.with_flux(flux), swing.joints
     h, at, count = hit.direction, swing.impact_sample, len(swing.times)
     contact = robot.contact(hit.chosen_contact)
     seen = kernel_for(robot, (contact,), ("inertia", "position", "jacobian"))(joints.q, h)
@@ -32,10 +35,10 @@ def as_rollout(swing: Swing) -> Rollout:
         where[at],
         swing.miss,
         math.degrees(math.atan2(across, swing.speed)),
-        swing.inertia,
-        swing.inertia,
+        links,
+        links,
         swing.speed,
-        swing.flux,
+        flux,
         swing.q_hit,
         False,
     )
@@ -59,7 +62,8 @@ def as_rollout(swing: Swing) -> Rollout:
             joints.qd - robot.velocity_lower, robot.velocity_upper - joints.qd
         ),
     }
-    parameters = {"reference": "swing", "dt": swing.dt, "torque_limits": True}
+    kept = {"torque_limits": True, "acceleration_limits": swing.limits.acceleration.tolist()}
+    parameters = {"reference": "swing", "dt": swing.dt, **kept}
     return Rollout(
         robot, hit, impact, "", swing.q_hit, swing.dt, at + 1, 0, 0, rows, np.zeros(0), parameters
     )

@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.export.trajectory import Trajectory, write_trajectory
+from hitjoints.impact.shown_inertia import shown_inertia
+from hitjoints.plotted import Plotted
 from hitjoints.swings.motion_limits import greatest_ratios, torques
 
 if TYPE_CHECKING:
@@ -30,7 +32,7 @@ RESTING = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Swing:
+class Swing(Plotted):
     """A motion from rest to rest that strikes on the way.
 
     Attributes:
@@ -46,6 +48,8 @@ class Swing:
         tried: what was in the way of other strokes -> how often.
         notes: what is not as asked for.
     """
+
+    drawn_by: ClassVar[str] = "swing"
 
     robot: Robot
     hit: Hit
@@ -103,7 +107,15 @@ class Swing:
 
     @cached_property
     def inertia(self) -> float:
-        """Directional inertia at the impact, kg."""
+        """Directional inertia at the impact by the model of the drives in the hit's setting, kg."""
+        contact, drives = self.robot.contact(self.hit.chosen_contact), self.hit.setting.drives
+        if drives.rigid:
+            return self.links_inertia
+        return float(shown_inertia(self.robot, self.q_hit[None], contact, self.hit, drives)[0])
+
+    @cached_property
+    def links_inertia(self) -> float:
+        """Directional inertia of the links alone at the impact, kg."""
         contact = self.robot.contact(self.hit.chosen_contact)
         return inertia_along(self.robot, self.q_hit, contact, self.hit.direction)
 
@@ -183,6 +195,8 @@ class Swing:
             "maximum_flux": self.maximum_flux,
             "speed": self.speed,
             "inertia": self.inertia,
+            "links_inertia": self.links_inertia,
+            "impact": self.hit.setting.drives.model,
             "miss": self.miss,
             "q0": self.q0.tolist(),
             "q_hit": self.q_hit.tolist(),

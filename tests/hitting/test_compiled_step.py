@@ -6,7 +6,13 @@ import pytest
 import hitjoints as hj
 from hitjoints.hitting import compiled_step
 from hitjoints.hitting.step import Gains
-from hitjoints.kernels.formulas.bounded import along_the_field, nearest_velocity, with_the_flux
+from hitjoints.hitting.step_tape import EXACT
+from hitjoints.kernels.formulas.bounded import (
+    Guess,
+    along_the_field,
+    nearest_velocity,
+    with_the_flux,
+)
 from hitjoints.programs.following import PROGRESS, following_terms
 from hitjoints.programs.joint_velocity import RHO, flux_terms
 from hitjoints.programs.problem import Program
@@ -57,7 +63,7 @@ def test_steps_are_those_of_the_controller_without_it(name):
             q = fast.follow(q, qd)
             if fast.arrived:
                 break
-    assert compiled > 0.4 * steps
+    assert compiled >= 0.99 * steps
 
 
 def random_case(rng):
@@ -68,12 +74,10 @@ def random_case(rng):
 
 def iterate(step, sides):
     """Follow guesses to an answer, or None."""
-    for _ in range(12):
-        found = step(sides)
-        if not found.regular > 0:
-            return None
+    for guess in range(24):
+        found = step(Guess(sides, float(guess > 5)))
         if found.changed == 0.0:
-            return np.array(found.x)
+            return np.array(found.x) if found.miss < EXACT else None
         sides = found.sides
     return None
 
@@ -85,8 +89,8 @@ def test_the_law_is_that_of_the_certifying_solver():
         wish = rng.normal(size=7)
         columns, bounds = [tuple(c) for c in J.T], (list(lower), list(upper))
         x = iterate(
-            lambda sides, given=(columns, tuple(f), list(wish), bounds): along_the_field(
-                *given, sides, PROGRESS
+            lambda guess, given=(columns, tuple(f), list(wish), bounds): along_the_field(
+                *given, guess, PROGRESS
             ),
             [0.0] * 7 + [1.0],
         )
@@ -97,7 +101,7 @@ def test_the_law_is_that_of_the_certifying_solver():
         limits = np.append(lower, 0.0), np.append(upper, 1.0)
         expected = solve(Program(c, *limits, H=H, A=A, b=b))
         np.testing.assert_allclose(x, expected.x, atol=1e-6)
-    assert answered > 75
+    assert answered >= 130
 
 
 def test_equation_12_is_that_of_the_certifying_solver():
@@ -115,7 +119,7 @@ def test_equation_12_is_that_of_the_certifying_solver():
         given = (columns, tuple(f), tuple(h), speed, nearest, list(RHO * weights))
         bounds = list(lower), list(upper)
         x = iterate(
-            lambda sides, given=given, bounds=bounds: with_the_flux(*given, bounds, sides),
+            lambda guess, given=given, bounds=bounds: with_the_flux(*given, bounds, guess),
             [0.0] * 7,
         )
         if x is None:
@@ -125,7 +129,7 @@ def test_equation_12_is_that_of_the_certifying_solver():
         expected = solve(Program(c, lower, upper, H=H, A=A, b=b))
         np.testing.assert_allclose(x, expected.x, atol=2e-5)
         assert pull @ x == pytest.approx(speed, abs=1e-9)
-    assert answered > 75
+    assert answered >= 145
 
 
 def test_the_same_hit_gives_the_same_bits():

@@ -42,16 +42,18 @@ def test_rigid_is_the_directional_inertia_to_the_last_bit(arm):
     assert (hj.impact_inertia(arm, q, 7, h, "rotor", rotor_inertia=0.0) == one).all()
 
 
-def test_gradient_of_rotor_by_central_differences(arm):
+@pytest.mark.parametrize("model", ["rotor", "composite"])
+@pytest.mark.parametrize("contact", [7, hj.Contact(4, (0.05, -0.1, 0.02))])
+def test_gradient_by_central_differences(arm, model, contact):
     q, h = some(arm, 20)
-    batch = hj.impact_inertia_gradient(arm, q, 7, h, "rotor")
+    batch = hj.impact_inertia_gradient(arm, q, contact, h, model)
     step = 1e-3
     for row, along, gradient in zip(q, h, batch, strict=True):
-        single = hj.impact_inertia_gradient(arm, row, 7, along, "rotor")
+        single = hj.impact_inertia_gradient(arm, row, contact, along, model)
         np.testing.assert_allclose(single, gradient, rtol=1e-9, atol=1e-9)
         for i in range(arm.n):
             aside = row + step * np.outer((-3, -2, -1, 1, 2, 3), np.eye(arm.n)[i])
-            rows = hj.impact_inertia(arm, aside, 7, along, "rotor")
+            rows = hj.impact_inertia(arm, aside, contact, along, model)
             slope = np.array([-1, 9, -45, 45, -9, 1]) @ rows / (60 * step)
             assert slope == pytest.approx(gradient[i], abs=1e-8 * max(1.0, np.abs(gradient).max()))
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from hitjoints.errors import InputError
 from hitjoints.kernels import Interval, bisect, build_bounds, build_kernel
 from hitjoints.kernels.tape import interval_backend as ia
+from hitjoints.kernels.tape.backends import VARIABLE
 
 OUTPUTS = ("inertia", "gradient", "speed", "straight_speed", "flux", "position", "jacobian")
 ANGLE = st.floats(-20.0, 20.0)
@@ -59,11 +60,12 @@ def test_arithmetic_is_enclosed(a, b, wide_a, wide_b, s, t):
 
 @pytest.mark.parametrize("backend", ["llvm", "numpy"])
 @pytest.mark.parametrize("make", [arms.iiwa14, arms.panda, lambda: arms.random_chain(3, 5)])
-def test_no_sample_is_ever_outside(make, backend):
+def test_no_sample_is_ever_outside(make, backend, monkeypatch):
+    monkeypatch.setenv(VARIABLE, backend)
     model, boxes = make(), 1200
     contacts, h = [(model.nv - 1, (0.02, 0, 0)), (model.nv, (0, 0.05, 0.1))], arms.directions(1)[0]
     bounds = build_bounds(model, contacts, OUTPUTS)
-    kernel = build_kernel(model, contacts, OUTPUTS, backend)
+    kernel = build_kernel(model, contacts, OUTPUTS)
     random = np.random.default_rng(0)
     width = 10.0 ** random.uniform(-9.0, 0.8, (boxes, 1)) * random.uniform(
         0.0, 1.0, (boxes, model.nv)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import hitjoints as hj
+from hitjoints.hitting.deliverable import deliverable_speed
 
 PLACE, H, MASS = (0.5, 0.3, 0.5), (0.0, 1.0, 0.0), 2.0
 
@@ -42,19 +43,46 @@ def test_rotor_is_planned_for_exactly(plans):
     assert rotor.as_dict()["impact"] == "rotor"
 
 
-@pytest.mark.parametrize("model", ["composite", "elastic"])
-def test_others_rank_the_best_of_the_links_again(plans, model):
+@pytest.mark.parametrize("objective", ["inertia", "flux", "straight-flux", "deliverable"])
+def test_composite_is_searched_for(plans, objective):
+    arm, _ = plans
+    found = hj.plan(
+        arm, PLACE, H, MASS, joints=[6], objective=objective, drives=hj.Drives("composite")
+    ).best
+    assert found.evidence["certificate"] is None
+    shown = hj.impact_inertia(arm, found.q, 6, H, "composite")
+    assert found.inertia == pytest.approx(shown, rel=1e-12)
+    assert found.straight_flux == pytest.approx(
+        hj.hitting_flux(shown, MASS, found.straight_speed), rel=1e-9
+    )
+    samples = hj.place_joint(arm, 6, np.tile(PLACE, (300, 1)), seed=5).q
+    tried = [q for q in samples if hj.position(arm, q, 7)[1] < PLACE[1]]
+    shown = hj.impact_inertia(arm, np.array(tried), 6, H, "composite")
+    if objective == "inertia":
+        most = shown
+    elif objective == "deliverable":
+        speeds = [deliverable_speed(arm, q, arm.contact(6), np.array(H)) for q in tried]
+        most = hj.hitting_flux(shown, MASS, np.array(speeds))
+    else:
+        straight = objective == "straight-flux"
+        most = hj.hitting_flux(
+            shown, MASS, hj.hitting_speed(arm, np.array(tried), 6, H, straight=straight)
+        )
+    quantity = {"inertia": "inertia", "deliverable": "deliverable_flux"}.get(
+        objective, objective.replace("-", "_")
+    )
+    assert getattr(found, quantity) >= np.max(most) * (1 - 1e-9)
+
+
+def test_elastic_ranks_the_best_of_the_links_again(plans):
     arm, planned = plans
-    rigid, found = planned("rigid"), planned(model)
+    rigid, found = planned("rigid"), planned("elastic")
     for one, alone in zip(found.candidates, rigid.candidates, strict=True):
         np.testing.assert_array_equal(one.q, alone.q)
         assert one.links_inertia == alone.inertia
-        if model == "composite":
-            shown = hj.impact_inertia(arm, one.q, one.joint, H, "composite")
-        else:
-            speed = one.straight_speed
-            shown = hj.elastic_impact(arm, one.q, one.joint, H, MASS, speed, 0.5, 0.02).equivalent
-        assert one.inertia == shown
+        speed = one.straight_speed
+        shown = hj.elastic_impact(arm, one.q, one.joint, H, MASS, speed, 0.5, 0.02).equivalent
+        assert one.inertia == pytest.approx(shown, rel=1e-9)
         for speed, flux in ((one.speed, one.flux), (one.straight_speed, one.straight_flux)):
             assert flux == pytest.approx(hj.hitting_flux(shown, MASS, speed), rel=1e-9)
     best = max(found.candidates, key=lambda one: one.inertia)

@@ -78,7 +78,7 @@ def test_a_swing_from_here_starts_here(stage):
 
 def test_the_box_moves_when_it_is_hit_and_stops_where_landing_says(stage):
     stage.make("swing")
-    clip, begin = stage.clip, box_place(stage.wish).centre
+    clip, begin = stage.clip, stage.begin.centre
     stage.seek(clip.impact_time)
     np.testing.assert_array_equal(stage.box.centre, begin)
     ways = []
@@ -98,7 +98,7 @@ def test_what_it_slides_with_can_be_changed_under_the_motion(stage):
     far = stage.box.centre[1]
     stage.slide_with(friction=0.6)
     stage.seek(stage.clip.duration)
-    begin = box_place(stage.wish).centre[1]
+    begin = stage.begin.centre[1]
     assert stage.box.centre[1] - begin == pytest.approx((far - begin) / 2, rel=1e-3)
 
 
@@ -199,3 +199,35 @@ def test_the_line_of_the_hit_passes_through_the_boxs_centre(yaw):
     np.testing.assert_allclose(box.axes.T @ box.axes, np.eye(3), atol=1e-12)
     assert box.bottom == pytest.approx(AT[2] - size[2] / 2)
     assert box.axes[:, 0] @ hit.direction == pytest.approx(np.cos(yaw))
+
+
+def test_the_box_stands_at_the_surface_of_what_hits_it(stage):
+    """Not at the joint's origin, which lies inside the link."""
+    import coal
+    import pinocchio as pin
+
+    box, robot, q = stage.begin, stage.robot, stage.candidate.q
+    geometry = pin.GeometryData(robot.collision_model)
+    pin.updateGeometryPlacements(
+        robot.model, robot.model.createData(), robot.collision_model, geometry, q
+    )
+    face = box.centre - box.size[0] / 2 * box.axes[:, 0]
+
+    def gap(point):
+        request, ball = (
+            coal.DistanceRequest(),
+            (coal.Sphere(1e-4), coal.Transform3s(np.eye(3), point)),
+        )
+        return min(
+            coal.distance(shape.geometry, coal.Transform3s(where.rotation, where.translation),
+                          *ball, request, coal.DistanceResult())
+            for shape, where in zip(
+                robot.collision_model.geometryObjects, geometry.oMg, strict=True
+            )
+            if shape.parentJoint in (5, 6)
+        )  # fmt: skip
+
+    ahead = 0.002 * stage.wish.direction
+    assert gap(face + ahead) > 0
+    assert gap(face - ahead) <= 0
+    assert box.centre[1] - AT[1] > box.size[0] / 2

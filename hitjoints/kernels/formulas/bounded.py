@@ -8,13 +8,28 @@ the next step would not change is right: the answer then meets all optimality co
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from hitjoints.kernels.formulas.links import dot, minus, plus
 from hitjoints.kernels.tape.trace import Scalar, Vector, absolute, maximum, where_less
 
 REGULAR = 1e-9
-"""det / trace^3 below which three unknowns are not solved for."""
+"""det / trace^3 of J J^T below which an arm counts as singular."""
+ROUNDING, SMALLEST = 1e-15, 1e-100
+"""Share of a diagonal entry, and number, below which a pivot is as good as none."""
+
+
+class Guess(NamedTuple):
+    """Which bounds are active.
+
+    Attributes:
+        sides: -1 for a variable at the lower bound, 1 at the upper, 0 between.
+        one_by_one: 1 if the next guess is to differ in one entry only, which ends most cycles.
+    """
+
+    sides: list[Scalar]
+    one_by_one: Scalar = 0.0
 
 
 class Iterate(NamedTuple):
@@ -22,21 +37,23 @@ class Iterate(NamedTuple):
 
     Attributes:
         x: the variables.
-        sides: the next guess: -1 at the lower bound, 1 at the upper, 0 between.
+        sides: the next guess.
         changed: how much that differs from the guess; 0 for an answer.
-        regular: positive if the linear system is far from singular.
+        miss: by how much x violates the equations it was solved from, in their unit.
     """
 
     x: list[Scalar]
     sides: list[Scalar]
     changed: Scalar
-    regular: Scalar
+    miss: Scalar
 
 
 def nearest_velocity(columns: list[Vector], v: Vector) -> tuple[list[Scalar], Scalar]:
     """J^+ v (n), and whether J is regular enough for it (positive)."""
-    force, regular = solve_three(gram(columns, [1.0] * len(columns)), v)
-    return [dot(column, force) for column in columns], regular
+    squared = gram(columns, [1.0] * len(columns))
+    force, det = solve_three(squared, v)
+    trace = squared[0] + squared[3] + squared[5]
+    return [dot(column, force) for column in columns], det - REGULAR * trace * trace * trace
 
 
 def along_the_field(
@@ -44,7 +61,7 @@ def along_the_field(
     f: Vector,
     wish: list[Scalar],
     bounds: tuple[list[Scalar], list[Scalar]],
-    sides: list[Scalar],
+    guess: Guess,
     progress: float,
 ) -> Iterate:
     """Least |qd - wish|^2 / 2 - progress s + s^2 / 2 with J qd = s f and 0 <= s <= 1.
@@ -54,20 +71,20 @@ def along_the_field(
         f: the field.
         wish: (n).
         bounds: lower and upper, (n) each.
-        sides: (n + 1) the guess, for (qd, s).
+        guess: (n + 1), for (qd, s).
         progress: the reward of s.
     """
     rows = [*columns, (-f[0], -f[1], -f[2])]
     lower, upper = [*bounds[0], 0.0], [*bounds[1], 1.0]
     wanted = [*wish, progress]
-    free = [_if_free(side, 1.0, 0.0) for side in sides]
-    held = _held(sides, lower, upper)
+    free = [_if_free(side, 1.0, 0.0) for side in guess.sides]
+    held = _held(guess.sides, lower, upper)
     right = total(rows, [w * p + e for w, p, e in zip(free, wanted, held, strict=True)])
-    y, regular = solve_three(gram(rows, free), right)
+    y, _ = solve_three(gram(rows, free), right)
     best = [p - dot(row, y) for p, row in zip(wanted, rows, strict=True)]
     x = [w * b + e for w, b, e in zip(free, best, held, strict=True)]
     push = [b - value for b, value in zip(best, x, strict=True)]
-    return _next(x, push, lower, upper, sides, regular)
+    return _next(x, push, lower, upper, guess, total(rows, x))
 
 
 def with_the_flux(
@@ -78,7 +95,7 @@ def with_the_flux(
     nearest: list[Scalar],
     weights: list[Scalar],
     bounds: tuple[list[Scalar], list[Scalar]],
-    sides: list[Scalar],
+    guess: Guess,
 ) -> Iterate:
     """Least |J qd - f|^2 / 2 + |qd - nearest|_D^2 / 2 with h . J qd = speed.
 
@@ -93,11 +110,11 @@ def with_the_flux(
         nearest: (n) J^+ f.
         weights: (n) the diagonal D.
         bounds: lower and upper, (n) each.
-        sides: (n) the guess.
+        guess: (n).
     """
     lower, upper = bounds
-    free = [_if_free(side, 1.0, 0.0) for side in sides]
-    held = _held(sides, lower, upper)
+    free = [_if_free(side, 1.0, 0.0) for side in guess.sides]
+    held = _held(guess.sides, lower, upper)
     easy = [w / d for w, d in zip(free, weights, strict=True)]
     given = total(columns, [w * z + e for w, z, e in zip(free, nearest, held, strict=True)])
     short = dot(h, f) - speed
@@ -112,7 +129,7 @@ def with_the_flux(
         e - y * z,
         g + 1.0 - z * z,
     )
-    v, regular = solve_three(system, right)
+    v, _ = solve_three(system, right)
     pulled = [dot(column, v) for column in columns]
     qd = [
         w * z0 + s * p + e0
@@ -122,7 +139,11 @@ def with_the_flux(
     push = [
         p / d0 - (value - z0) for p, d0, value, z0 in zip(pulled, weights, qd, nearest, strict=True)
     ]
-    return _next(qd, push, lower, upper, sides, regular)
+    miss = plus(v, minus(total(columns, qd), f))  # but for a multiple of h
+    along = dot(h, miss)
+    across = minus(miss, (along * h[0], along * h[1], along * h[2]))
+    row = dot(h, total(columns, qd)) - speed
+    return _next(qd, push, lower, upper, guess, (*across, row))
 
 
 def gram(
@@ -149,20 +170,27 @@ def total(columns: list[Vector], factors: list[Scalar]) -> Vector:
 def solve_three(
     S: tuple[Scalar, Scalar, Scalar, Scalar, Scalar, Scalar], v: Vector
 ) -> tuple[Vector, Scalar]:
-    """S^-1 v for a symmetric S (xx xy xz yy yz zz), and whether it is regular (positive)."""
-    a, b, c, d, e, f = S
-    A, B, C = d * f - e * e, c * e - b * f, b * e - c * d
-    D, E, F = a * f - c * c, b * c - a * e, a * d - b * b
-    det = a * A + b * B + c * C
-    trace = a + d + f
-    scale = 1.0 / where_less(0.0, det, det, 1.0)
-    x, y, z = v
-    answer = (
-        (A * x + B * y + C * z) * scale,
-        (B * x + D * y + E * z) * scale,
-        (C * x + E * y + F * z) * scale,
-    )
-    return answer, det - REGULAR * trace * trace * trace
+    """S^-1 v for a symmetric positive S (xx xy xz yy yz zz), and det S.
+
+    By S = L D L^T: exact to rounding however unlike the sizes in S are. Where a pivot is no more
+    than rounding the answer is that of a matrix nearby: what it is good for, residuals tell.
+    """
+    xx, xy, xz, yy, yz, zz = S
+    first = _pivot(xx, xx)
+    a, b = xy / first, xz / first
+    below = yz - b * xy
+    second = _pivot(yy - a * xy, yy)
+    c = below / second
+    third = _pivot(zz - b * xz - c * below, zz)
+    x, y = v[0], v[1] - a * v[0]
+    z = (v[2] - b * x - c * y) / third
+    y = y / second - c * z
+    return (x / first - a * y - b * z, y, z), first * second * third
+
+
+def _pivot(value: Scalar, size: Scalar) -> Scalar:
+    """What is left of a diagonal entry, at least the rounding of its size."""
+    return maximum(value, ROUNDING * size + SMALLEST)
 
 
 def _if_free(side: Scalar, yes: Scalar, no: Scalar) -> Scalar:
@@ -182,14 +210,23 @@ def _next(
     push: list[Scalar],
     lower: list[Scalar],
     upper: list[Scalar],
-    sides: list[Scalar],
-    regular: Scalar,
+    guess: Guess,
+    misses: Sequence[Scalar],
 ) -> Iterate:
-    following = [
-        where_less(high - value, p, 1.0, where_less(p, low - value, -1.0, 0.0))
-        for value, p, low, high in zip(x, push, lower, upper, strict=True)
-    ]
+    following: list[Scalar] = []
     changed: Scalar = 0.0
-    for new, old in zip(following, sides, strict=True):
+    # From the end, where s is: a guess that holds it too high has no answer, whatever else changes.
+    for value, p, low, high, old in reversed(
+        list(zip(x, push, lower, upper, guess.sides, strict=True))
+    ):
+        new = where_less(high - value, p, 1.0, where_less(p, low - value, -1.0, 0.0))
+        # From bound to bound it goes by being free: a pull that far is of a guess far off.
+        new = where_less(1.5, absolute(new - old), 0.0, new)
+        # The first entry that changes is the only one, then (K. G. Murty, Opsearch 11, 1974).
+        following.append(where_less(0.5, guess.one_by_one * changed, old, new))
         changed = maximum(changed, absolute(new - old))
-    return Iterate(x, following, changed, regular)
+    following.reverse()
+    miss: Scalar = 0.0
+    for part in misses:
+        miss = miss + absolute(part)  # a sum: of what is no number nothing may be left out
+    return Iterate(x, following, changed, miss)

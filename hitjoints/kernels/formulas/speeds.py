@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 
 from hitjoints.kernels.formulas.links import cross
 from hitjoints.kernels.tape.trace import (
@@ -19,14 +20,14 @@ from hitjoints.kernels.tape.trace import (
 PARALLEL = 1e-9
 """Sine of the angle below which two joints' lateral velocities count as parallel."""
 
-Box = list[tuple[float, float]]
+Box = Sequence[tuple[Scalar, Scalar]]
 
 
 def support(g: list[Scalar], box: Box) -> Scalar:
     """Largest g . qd over the box (Eq. 9): every joint at the bound its sign asks for."""
     total: Scalar = 0.0
     for value, (low, high) in zip(g, box, strict=True):
-        if low == -high:
+        if isinstance(low, float) and low == -high:
             total = total + absolute(value) * high
         else:
             total = total + maximum(value * high, value * low)
@@ -90,25 +91,33 @@ def straight_support(
 ) -> Scalar:
     """Largest g . qd over the box with a . qd = b . qd = 0: the fastest motion exactly along h.
 
-    The dual min over mu of sum_i max over the box of (g_i + mu . (a_i, b_i)) qd_i is convex and
-    piecewise linear: its minimum is at a kink of two joints, of one joint if all lateral
-    velocities are parallel, or at 0 if there are none. Every mu gives an upper bound, so the least
-    over all kinks is the maximum.
-
     Args:
         g: speed along h per joint speed (n).
         across: lateral speeds a, b per joint speed, (n) each, as `principal` returns them.
         box: joint speed limits around 0.
     """
+    return least_support(g, across, box)[0]
+
+
+def least_support(
+    g: list[Scalar], across: tuple[list[Scalar], list[Scalar]], box: Box
+) -> tuple[Scalar, Scalar, Scalar]:
+    """Least over (x, y) of the largest (g + x a + y b) . qd over the box, and that x and y.
+
+    This dual of `straight_support` is convex and piecewise linear: its minimum is at a kink of two
+    joints, of one joint if all lateral velocities are parallel, or at 0 if there are none. Every
+    (x, y) gives an upper bound, so the least over all kinks is the maximum.
+    """
     a, b = across
     moving = [i for i, speeds in enumerate(zip(g, a, b, strict=True)) if speeds != (0.0, 0.0, 0.0)]
     square = [a[i] * a[i] + b[i] * b[i] for i in range(len(g))]
-    best = support(g, box)
+    best: tuple[Scalar, Scalar, Scalar] = (support(g, box), 0.0, 0.0)
     for i in moving:
         still = where_less(0.0, square[i], 0.0, 1.0)
         scale = -g[i] / (square[i] + still)
-        value = _dual(g, a, b, box, scale * a[i], scale * b[i], (i,))
-        best = minimum(best, where_less(0.0, square[i], value, math.inf))
+        x, y = scale * a[i], scale * b[i]
+        value = _dual(g, a, b, box, x, y, (i,))
+        best = _lesser((where_less(0.0, square[i], value, math.inf), x, y), best)
     for i, j in itertools.combinations(moving, 2):
         det = a[i] * b[j] - a[j] * b[i]
         least = PARALLEL**2 * (square[i] * square[j])
@@ -116,8 +125,15 @@ def straight_support(
         x = (g[j] * b[i] - g[i] * b[j]) * crossing
         y = (g[i] * a[j] - g[j] * a[i]) * crossing
         value = _dual(g, a, b, box, x, y, (i, j))
-        best = minimum(best, where_less(least, det * det, value, math.inf))
+        best = _lesser((where_less(least, det * det, value, math.inf), x, y), best)
     return best
+
+
+def _lesser(
+    new: tuple[Scalar, Scalar, Scalar], best: tuple[Scalar, Scalar, Scalar]
+) -> tuple[Scalar, Scalar, Scalar]:
+    x, y = (where_less(new[0], best[0], p, q) for p, q in zip(new[1:], best[1:], strict=True))
+    return minimum(best[0], new[0]), x, y
 
 
 def _dual(

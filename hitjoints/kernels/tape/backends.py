@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from hitjoints.errors import UnknownNameError
+from hitjoints.kernels.tape.interval_backend import Interval, IntervalProgram
 from hitjoints.kernels.tape.numpy_backend import NumpyProgram
 from hitjoints.kernels.tape.rows import ALIGNMENT, over_rows
 from hitjoints.kernels.tape.trace import Tape, Tracer
@@ -38,7 +39,7 @@ class Runnable(Protocol):
     nanoseconds: float
 
     def bind(
-        self, inputs: list[Array], out: Array, iterations: int = 1
+        self, inputs: list[Array] | Array, out: Array, iterations: int = 1
     ) -> Callable[[int, int], None]:
         """Return what evaluates rows start..stop."""
 
@@ -78,7 +79,7 @@ def llvm_works() -> bool:
     return bool(np.all(out == 3.0))
 
 
-def prepare(program: Tape, rows_only: int, backend: str | None) -> Runnable:
+def prepare(program: Tape, rows_only: int, backend: str | None = None) -> Runnable:
     """Make a program ready to run; its first `rows_only` inputs always differ per row."""
     if choose(backend) == "numpy":
         return NumpyProgram(program)
@@ -87,10 +88,19 @@ def prepare(program: Tape, rows_only: int, backend: str | None) -> Runnable:
     return LlvmProgram(program, rows_only)
 
 
+def over_boxes(program: Tape) -> Callable[[list[Interval], int], Interval]:
+    """Make a program ready to run over boxes."""
+    if choose() == "numpy":
+        return IntervalProgram(program)
+    from hitjoints.kernels.tape.interval_machine import MachineProgram
+
+    return MachineProgram(program)
+
+
 def evaluate(
     run: Runnable,
     outputs: int,
-    inputs: list[Array],
+    inputs: list[Array] | Array,
     rows: int,
     threads: int | None,
     iterations: int = 1,
@@ -101,7 +111,7 @@ def evaluate(
     Args:
         run: the program.
         outputs: how many values it gives per row.
-        inputs: per input (rows,) values, or (1,) shared by all rows.
+        inputs: per input (rows,) values, or (1,) shared by all rows; or all of them in one array.
         rows: how many.
         threads: None for as many as help.
         iterations: at most this many rounds, of a program with states.

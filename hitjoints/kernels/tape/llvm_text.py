@@ -22,10 +22,11 @@ class Writer:
 
     Args:
         lanes: rows per instruction.
+        fused: products and sums may become one instruction, rounded once.
     """
 
-    def __init__(self, lanes: int) -> None:
-        self.lanes = lanes
+    def __init__(self, lanes: int, fused: bool = True) -> None:
+        self.lanes, self.fused = lanes, fused
         self.type = f"<{lanes} x double>"
         self.suffix = f"v{lanes}f64"
         self.lines: list[str] = []
@@ -40,6 +41,8 @@ class Writer:
             f"declare {t} @llvm.rint.{s}({t})\n"
             f"declare {t} @llvm.fabs.{s}({t})\n"
             f"declare {t} @llvm.sqrt.{s}({t})\n"
+            f"declare {t} @llvm.floor.{s}({t})\n"
+            f"declare {t} @llvm.ceil.{s}({t})\n"
         )
 
     def constant(self, value: float) -> str:
@@ -58,8 +61,9 @@ class Writer:
         self.lines.append(line)
 
     def binary(self, name: str, a: str, b: str) -> str:
-        """A (name) b; `contract` lets products and sums fuse."""
-        return self.let(f"{name} contract {self.type} {a}, {b}")
+        """A (name) b."""
+        contract = "contract " if self.fused else ""
+        return self.let(f"{name} {contract}{self.type} {a}, {b}")
 
     def call(self, name: str, *arguments: str) -> str:
         """Call an intrinsic."""
@@ -215,13 +219,14 @@ def run_function(program: Tape, lanes: int, rows_only: int, states: int) -> str:
     )
 
 
-def scalar_function(program: Tape) -> str:
+def scalar_function(program: Tape, fused: bool = True) -> str:
     """IR of run(inputs, outputs) for one row: two arrays of doubles, nothing else.
 
     Args:
         program: what to run.
+        fused: as `Writer`.
     """
-    w = Writer(1)
+    w = Writer(1, fused)
 
     def at(array: str, i: int) -> str:
         return w.let(f"getelementptr double, ptr %{array}, i64 {i}")

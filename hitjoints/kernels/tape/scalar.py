@@ -32,11 +32,13 @@ class ScalarProgram:
 
     Args:
         program: what to run.
+        fused: products and sums may become one instruction; else, in a program without sines,
+            every bit is as Python's floats have it.
     """
 
-    def __init__(self, program: Tape) -> None:
+    def __init__(self, program: Tape, fused: bool = True) -> None:
         self.program = program
-        self._function, self._keep = compile_function(scalar_function(program), SIGNATURE)
+        self._function, self._keep = compile_function(scalar_function(program, fused), SIGNATURE)
 
     def bind(self) -> Bound:
         """Return the program with arrays that nobody else has."""

@@ -64,6 +64,7 @@ class HitProblem:
     ) -> None:
         self.task, self.objective, self.flux = task, objective, flux
         self.deliverable = flux is not None and deliverable
+        self.locked = task.hit.setting.drives.model == "composite"
         robot = task.robot
         self.n = robot.n
         self.moving = objective.moving or self.deliverable

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.built import kernel_for
+from hitjoints.impact.composite import composite_inertia, composite_inertia_gradient
 from hitjoints.planning.objectives.geometry import bend
 from hitjoints.tolerances import rank_floor
 
@@ -39,14 +40,26 @@ class Sight:
 
     @cached_property
     def mobility(self) -> Array:
-        """h^T J M^-1 J^T h (N,) 1/kg, nan where it is too small to hit with."""
-        mobility = self.found["mobility"][0]
-        return np.where(mobility < LEAST_MOBILITY, np.nan, mobility)
+        """The inverse of the inertia (N,) 1/kg, nan where it is too small to hit with."""
+        links = self.found["mobility"][0]
+        return np.where(links < LEAST_MOBILITY, np.nan, self._any_mobility)
 
-    @property
+    @cached_property
     def mobility_gradient(self) -> Array:
         """Its gradient (N, n)."""
-        return np.asarray(self.found["mobility_gradient"][0])
+        if not self.problem.locked:
+            return np.asarray(self.found["mobility_gradient"][0])
+        task = self.task
+        slope = composite_inertia_gradient(task.robot, self.q, task.contact, task.direction)
+        return np.asarray(-slope * self._any_mobility[:, None] ** 2)
+
+    @cached_property
+    def _any_mobility(self) -> Array:
+        """h^T J M^-1 J^T h (N,) 1/kg, or that of the locked arm; also where it is too small."""
+        if not self.problem.locked:
+            return np.asarray(self.found["mobility"][0])
+        task = self.task
+        return 1.0 / composite_inertia(task.robot, self.q, task.contact, task.direction)
 
     @property
     def missed(self) -> Array:
@@ -115,7 +128,7 @@ class Sight:
         mass, by = self.task.mass, self.mobility_gradient
         speed = (self.pull * self.qd).sum(axis=1)
         by_q = mass * by - self.bent @ self.freedom.forward / flux
-        short = 1.0 + mass * self.found["mobility"][0] - speed / flux
+        short = 1.0 + mass * self._any_mobility - speed / flux
         return short, np.concatenate((by_q, -self.pull / flux), axis=1)
 
     @cached_property
@@ -127,14 +140,14 @@ class Sight:
     def log_straight_flux(self) -> Array:
         """Logarithm of the greatest straight flux (N,), -inf or nan where there is none."""
         task, problem = self.task, self.problem
-        if not (problem.blind or problem.room):
+        if not (problem.blind or problem.room or problem.locked):
             kernel = kernel_for(task.robot, (task.contact,), ("straight_flux",))
             with np.errstate(divide="ignore"):
                 flux = kernel(self.q, task.direction, task.mass)["straight_flux"][0]
                 return np.asarray(np.log(flux))
         least = rank_floor(self.jacobian) * np.linalg.norm(task.robot.velocity_upper)
         speed = np.where(self.straight[1] > least, self.straight[1], np.nan)
-        return np.asarray(np.log(speed) - np.log1p(task.mass * self.found["mobility"][0]))
+        return np.asarray(np.log(speed) - np.log1p(task.mass * self._any_mobility))
 
     def _bend(self, qd: Array) -> Array:
         return bend(self.problem.axes.spins(self.q), self.columns, qd)

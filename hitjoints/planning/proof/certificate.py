@@ -2,23 +2,24 @@
 
 With the joints that place the contact fixed, its inertia depends on the others alone, and so does
 every other objective: the pull J^T h and with it the speed are constant, the flux grows with the
-inertia. The mobility is recorded with the fixed joints as constants, which leaves a few hundred
-operations.
+inertia. The formulas are recorded once for an arm and a contact.
 """
 
 from __future__ import annotations
 
-import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.kernels import Chain, Interval
-from hitjoints.kernels.formulas.hit_formulas import HitFormulas
+from hitjoints.built import chain_of
+from hitjoints.kernels import Interval
 from hitjoints.kernels.formulas.links import TracedArm, dot, minus
-from hitjoints.kernels.formulas.mass_matrix import Factor, mass_matrix, variation
-from hitjoints.kernels.tape.interval_backend import IntervalProgram
+from hitjoints.kernels.formulas.mass_matrix import variation
+from hitjoints.kernels.outputs import record
+from hitjoints.kernels.tape.backends import over_boxes
 from hitjoints.kernels.tape.trace import Scalar, Tracer
 from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN
 from hitjoints.planning.objectives.sight import LEAST_MOBILITY
@@ -27,6 +28,7 @@ from hitjoints.planning.proof.branching import branch
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from hitjoints.model.robot import Contact, Robot
     from hitjoints.planning.task import Task
     from hitjoints.types import Array
 
@@ -50,7 +52,6 @@ class Certificate:
         proved: the gap is at most 1 %.
         joints: the joints searched (1-based); the others are fixed.
         boxes: how many were bounded.
-        seconds: what it took.
     """
 
     inertia: float
@@ -59,7 +60,6 @@ class Certificate:
     proved: bool
     joints: tuple[int, ...]
     boxes: int
-    seconds: float
 
     def as_dict(self) -> dict[str, Any]:
         """Return the attributes by name."""
@@ -69,7 +69,7 @@ class Certificate:
 def free_joints(task: Task) -> tuple[int, ...]:
     """Return the joints (1-based) that leave the contact where it is."""
     contact = task.contact
-    last = Chain.from_model(task.robot.model).attach(contact.joint, contact.offset)[0]
+    last = chain_of(task.robot).attach(contact.joint, contact.offset)[0]
     return tuple(range(last + 1, task.robot.n + 1))
 
 
@@ -82,7 +82,6 @@ def certify(task: Task, q: Array, joints: tuple[int, ...] | None = None) -> Cert
         joints: which to search (1-based), all of them beyond the contact; every joint that
             leaves the contact where it is when not given.
     """
-    begin = time.perf_counter()
     joints = free_joints(task) if joints is None else joints
     at = np.array(joints, dtype=int) - 1
     bound = _Bound(task, q, at)
@@ -111,12 +110,11 @@ def certify(task: Task, q: Array, joints: tuple[int, ...] | None = None) -> Cert
         bounded <= (1.0 + GAP) * found,
         joints,
         visited,
-        time.perf_counter() - begin,
     )
 
 
 class _Bound:
-    """Bounds over boxes of the joints `at`, the others constant.
+    """Bounds over boxes of the joints `at`, the others as in q.
 
     For every u, 2 g . u - u^T M u is at most the mobility g^T M^-1 g; with u = M^-1 g at a box's
     centre it touches it there. It needs no factor of M over intervals, and its derivative varies
@@ -124,35 +122,16 @@ class _Bound:
     """
 
     def __init__(self, task: Task, q: Array, at: NDArray[np.intp]) -> None:
-        n, d = task.robot.n, len(at)
-        chain = Chain.from_model(task.robot.model)
-        h = (float(task.direction[0]), float(task.direction[1]), float(task.direction[2]))
-        attached = chain.attach(task.contact.joint, task.contact.offset)
-        tracer = Tracer(d + n)
-        angles: list[Any] = [float(angle) for angle in q]
-        for place, number in zip(at, tracer.inputs, strict=False):
-            angles[place] = number
-        arm = TracedArm(chain, tuple(angles))
-        formulas = HitFormulas(arm, Factor(mass_matrix(arm)), attached, h, task.mass)
-        self.point = IntervalProgram(
-            tracer.program([*formulas.mobility(), *formulas.factor.velocity(formulas.y)])
+        self.q, self.joints, self.away = q, at, task.away
+        self.point, self.program = _programs(
+            task.robot, task.contact, task.beyond if task.away else None, tuple(at.tolist())
         )
-        u: list[Scalar] = list(tracer.inputs[d:])
-        value, *gradient = variation(arm, formulas.reaches, formulas.directions, u)
-        outputs = [value, *(gradient[i] for i in at)]
-        if task.away:
-            ends = [
-                chain.attach(contact.joint, contact.offset)
-                for contact in (type(task.contact)(task.contact.joint), task.beyond)
-            ]
-            here, there = (arm.position(last - 1, point) for last, point in ends)
-            outputs.append(dot(h, minus(there, here)))
-        self.away, self.unused = task.away, [Interval(np.zeros(1), np.zeros(1))] * n
-        self.program = IntervalProgram(tracer.program(outputs))
+        self.h = [_exactly(np.array([a])) for a in task.direction]
 
     def at(self, x: Array) -> Interval:
         """Bounds (1 + n, B) of the mobility (1/kg) and of the response u at points x (B, d)."""
-        return self.point([Interval(a, a) for a in x.T] + self.unused, len(x))
+        massless = _exactly(np.zeros(1))
+        return self.point([*self._box(x, x), *self.h, massless], len(x))
 
     def __call__(self, low: Array, high: Array) -> tuple[Array, NDArray[np.bool_], Array]:
         """Return upper bounds (B,) of the inertia, which boxes may hold an admissible posture,
@@ -160,10 +139,9 @@ class _Bound:
         """
         middle, sides = 0.5 * (low + high), low.shape[1]
         half = np.maximum(high - middle, middle - low)
-        response = [Interval(u, u) for u in self.at(middle).lower[1:]]
-        centre = self.program([Interval(a, a) for a in middle.T] + response, len(low))
-        boxes = [Interval(a, b) for a, b in zip(low.T, high.T, strict=True)]
-        whole = self.program(boxes + response, len(low))
+        response = [_exactly(u) for u in self.at(middle).lower[1:]]
+        centre = self.program([*self._box(middle, middle), *self.h, *response], len(low))
+        whole = self.program([*self._box(low, high), *self.h, *response], len(low))
         steepest = np.maximum(np.abs(whole.lower), np.abs(whole.upper))[1 : 1 + sides].T
         reduction = np.where(half > 0, steepest * half, 0.0)
         least = np.fmax(whole.lower[0], centre.lower[0] - reduction.sum(axis=1) * (1 + ROUNDING))
@@ -173,6 +151,46 @@ class _Bound:
         if self.away:
             admissible = whole.lower[1 + sides] <= -AWAY_MARGIN + ROUNDING
         return upper, admissible, reduction
+
+    def _box(self, low: Array, high: Array) -> list[Interval]:
+        """Return every joint's interval, of the others' the one number."""
+        box = [_exactly(np.array([angle])) for angle in self.q]
+        for joint, a, b in zip(self.joints, low.T, high.T, strict=True):
+            box[joint] = Interval(a, b)
+        return box
+
+
+def _exactly(x: Array) -> Interval:
+    return Interval(x, x)
+
+
+@lru_cache(maxsize=64)
+def _programs(
+    robot: Robot, contact: Contact, beyond: Contact | None, joints: tuple[int, ...]
+) -> tuple[Callable[..., Interval], Callable[..., Interval]]:
+    """Return programs over boxes of all joints, and the direction.
+
+    The first takes a mass as well, and gives the mobility and the response u. The second takes u,
+    and gives the lower bound of the mobility, its derivatives by some joints (counted from 0),
+    and with a point beyond the contact the away condition's gap.
+    """
+    chain, n = chain_of(robot), robot.n
+    attached = chain.attach(contact.joint, contact.offset)
+    point = over_boxes(record(chain, [attached], ("mobility", "response")))
+    tracer = Tracer(2 * n + 3)
+    h = tracer.inputs[n], tracer.inputs[n + 1], tracer.inputs[n + 2]
+    arm = TracedArm(chain, tracer.inputs[:n])
+    reaches = arm.reaches(attached[0] - 1, attached[1]) if attached[0] else []
+    u: list[Scalar] = list(tracer.inputs[n + 3 :])
+    value, *gradient = variation(arm, reaches, arm.in_links(h), u)
+    outputs = [value, *(gradient[i] for i in joints)]
+    if beyond is not None:
+        ends = [
+            chain.attach(end.joint, end.offset) for end in (type(contact)(contact.joint), beyond)
+        ]
+        here, there = (arm.position(last - 1, place) for last, place in ends)
+        outputs.append(dot(h, minus(there, here)))
+    return point, over_boxes(tracer.program(outputs))
 
 
 def _cut(low: Array, high: Array, reduction: Array) -> tuple[Array, Array]:

@@ -6,19 +6,23 @@ next origin is nowhere behind it; both bounded by the natural extension and by t
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.kernels import Chain, Interval, bisect
+from hitjoints.built import chain_of
+from hitjoints.kernels import Interval, bisect
 from hitjoints.kernels.formulas.links import TracedArm, dot, minus
-from hitjoints.kernels.tape.interval_backend import IntervalProgram
+from hitjoints.kernels.tape.backends import over_boxes
 from hitjoints.kernels.tape.trace import Scalar, Tracer, Vector
 from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN
 from hitjoints.planning.proof.branching import branch
 
 if TYPE_CHECKING:
+    from hitjoints.model.robot import Contact, Robot
     from hitjoints.planning.task import Task
     from hitjoints.types import Array
 
@@ -71,34 +75,18 @@ class _Bounds:
     """Bounds of the contact's distance from the object along each axis, and of the away gap."""
 
     def __init__(self, task: Task, away: bool) -> None:
-        chain = Chain.from_model(task.robot.model)
-        origin = type(task.contact)(task.contact.joint)
-        points = [task.contact, origin, task.beyond] if away else [task.contact]
-        attached = [chain.attach(point.joint, point.offset) for point in points]
-        self.movers = m = max(last for last, _ in attached)
-        tracer = Tracer(m)
-        # The joints that move none of the points do not enter their formulas.
-        arm = TracedArm(chain, (*tracer.inputs, *[0.0] * (chain.size - m)))
-        places = [arm.position(last - 1, point) for last, point in attached]
-        axes: list[Vector] = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
-        target: Any = task.target
-        values: list[Scalar] = [places[0][k] - float(target[k]) for k in range(3)]
-        slopes = [_row(arm, attached[0], axis)[:m] for axis in axes]
-        if away:
-            h = (float(task.direction[0]), float(task.direction[1]), float(task.direction[2]))
-            values.append(dot(h, minus(places[2], places[1])))
-            near, far = (_row(arm, point, h)[:m] for point in attached[1:])
-            slopes.append([b - a for a, b in zip(near, far, strict=True)])
-        self.count = len(values)
-        flat = [slope for row in slopes for slope in row]
-        self.program = IntervalProgram(tracer.program([*values, *flat]))
+        beyond = task.beyond if away else None
+        self.movers, self.count, self.program = _program(task.robot, task.contact, beyond)
+        given = np.concatenate((np.asarray(task.target), task.direction))
+        self.shared = [Interval(a, a) for a in given[:, None]]
 
     def __call__(self, low: Array, high: Array) -> tuple[Array, Array]:
         """Return lower and upper bounds (values, B) over boxes (B, m)."""
         middle = 0.5 * (low + high)
         half = np.maximum(high - middle, middle - low)
-        whole = self.program([Interval(a, b) for a, b in zip(low.T, high.T, strict=True)], len(low))
-        centre = self.program([Interval(a, a) for a in middle.T], len(low))
+        box = [Interval(a, b) for a, b in zip(low.T, high.T, strict=True)]
+        whole = self.program([*box, *self.shared], len(low))
+        centre = self.program([*(Interval(a, a) for a in middle.T), *self.shared], len(low))
         size = np.maximum(np.abs(whole.lower), np.abs(whole.upper))[self.count :]
         radius = np.einsum("vmb,bm->vb", size.reshape(self.count, self.movers, -1), half)
         radius = radius * (1 + ROUNDING) + ROUNDING
@@ -107,6 +95,37 @@ class _Bounds:
             np.maximum(whole.lower[values] - ROUNDING, centre.lower[values] - radius),
             np.minimum(whole.upper[values] + ROUNDING, centre.upper[values] + radius),
         )
+
+
+@lru_cache(maxsize=64)
+def _program(
+    robot: Robot, contact: Contact, beyond: Contact | None
+) -> tuple[int, int, Callable[..., Interval]]:
+    """Return how many joints m move the points, how many values there are, and the program.
+
+    It takes boxes of the m joints, the target and the direction; it gives the values and then
+    their derivatives.
+    """
+    chain = chain_of(robot)
+    points = [contact]
+    if beyond is not None:
+        points += [type(contact)(contact.joint), beyond]
+    attached = [chain.attach(point.joint, point.offset) for point in points]
+    m = max(last for last, _ in attached)
+    tracer = Tracer(m + 6)
+    target, (x, y, z) = tracer.inputs[m : m + 3], tracer.inputs[m + 3 :]
+    # The joints that move none of the points do not enter their formulas.
+    arm = TracedArm(chain, (*tracer.inputs[:m], *[0.0] * (chain.size - m)))
+    places = [arm.position(last - 1, point) for last, point in attached]
+    axes: list[Vector] = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
+    values: list[Scalar] = [places[0][k] - target[k] for k in range(3)]
+    slopes = [_row(arm, attached[0], axis)[:m] for axis in axes]
+    if beyond is not None:
+        values.append(dot((x, y, z), minus(places[2], places[1])))
+        near, far = (_row(arm, point, (x, y, z))[:m] for point in attached[1:])
+        slopes.append([b - a for a, b in zip(near, far, strict=True)])
+    flat = [slope for row in slopes for slope in row]
+    return m, len(values), over_boxes(tracer.program([*values, *flat]))
 
 
 def _row(arm: TracedArm, attached: tuple[int, Any], direction: Vector) -> list[Scalar]:

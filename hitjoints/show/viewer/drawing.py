@@ -10,8 +10,9 @@ import pinocchio as pin
 from hitjoints.dynamics.inertia import inertia_along, inverse_inertia
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InfeasibleError
-from hitjoints.show.drawn_arm import BOX, INERTIA, inertia_surface, rgb
-from hitjoints.show.figures import colour_of
+from hitjoints.show.drawn_arm import BOX, INERTIA, rgb
+from hitjoints.show.inertia_surface import inertia_surface
+from hitjoints.show.style import colour_of
 from hitjoints.show.viewer.landing_mark import LandingMark, quaternion
 from hitjoints.show.viewer.solids import solids
 
@@ -62,12 +63,12 @@ class Drawing:
 
     def wish(self) -> None:
         """Draw what follows from the wish and the plan alone: box, arrow, landing."""
-        stage, box = self.stage, self.stage.box
+        stage, box = self.stage, self.stage.begin
         colour = rgb(colour_of(stage.contact.joint))
         self._contact.color = tuple(round(255 * c) for c in colour)
         self._box.dimensions = tuple(map(float, box.size))
         h = stage.wish.direction
-        begin = stage.wish.position + 2 * (box.centre - stage.wish.position)
+        begin = box.centre + np.abs(box.axes.T @ h) @ box.size / 2 * h
         tip = aim_point(stage)
         if float((tip - begin) @ h) < POINT:
             begin = tip - POINT * h

@@ -8,7 +8,6 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.show.drawn_arm import BOX, rgb
-from hitjoints.show.viewer.box_place import box_place
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -38,7 +37,7 @@ class LandingMark:
     def draw(self) -> None:
         """Put them where the stage says; what is not known is not drawn."""
         scene, stage = self._scene, self._stage
-        begin = box_place(stage.wish)
+        begin = stage.begin
         height = stage.wish.setting.table_height
         level = begin.bottom if height is None else height
         found = None

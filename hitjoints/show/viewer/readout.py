@@ -11,7 +11,7 @@ from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InfeasibleError
 from hitjoints.quantities import hitting_speed
-from hitjoints.show.figures import colour_of
+from hitjoints.show.style import colour_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

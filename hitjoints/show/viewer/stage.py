@@ -15,6 +15,7 @@ from hitjoints.planning.planner import plan
 from hitjoints.planning.room.surroundings import Surroundings
 from hitjoints.rollouts.follow import rollout
 from hitjoints.rollouts.prepare import placed
+from hitjoints.show.arm_faces import box_centre
 from hitjoints.show.viewer.assumed import Assumption, assume
 from hitjoints.show.viewer.box_place import BoxPlace, box_place
 from hitjoints.show.viewer.clip import (
@@ -74,6 +75,7 @@ class Stage:
         self.time = 0.0
         self._contacts = {c.joint: c for c in (*(contacts or robot.usual_contacts), contact)}
         self._landing: tuple[Landing | None, str] | None = None
+        self._begin: BoxPlace | None = None
 
     @property
     def contact(self) -> Contact:
@@ -252,10 +254,32 @@ class Stage:
             self.q = self.clip.configuration(self.time)
 
     @property
+    def begin(self) -> BoxPlace:
+        """Where the box is before the hit: at the surface of what will hit it, once that is known.
+
+        The point of the hit is one of the arm, inside its link more often than not.
+        """
+        if self._begin is None:
+            self._begin = place = box_place(self.wish)
+            q = self._q_hit
+            if q is not None:
+                h = self.wish.direction
+                at = box_centre(self.robot, q, self.contact, h, place.size, place.axes)
+                self._begin = BoxPlace(place.size, at, place.axes)
+        return self._begin
+
+    @property
     def box(self) -> BoxPlace:
         """Where the box is now."""
-        place = box_place(self.wish)
-        return place if self.clip is None else place.moved(*self.clip.moved(self.time))
+        return self.begin if self.clip is None else self.begin.moved(*self.clip.moved(self.time))
+
+    @property
+    def _q_hit(self) -> Array | None:
+        """The configuration (n,) rad that hits, if it is known."""
+        clip, one = self.clip, self.candidate
+        if clip is not None and clip.impact_time is not None:
+            return clip.configuration(clip.impact_time)
+        return None if one is None else one.q
 
     @property
     def assumption(self) -> Assumption:
@@ -275,9 +299,8 @@ class Stage:
     def _land(self) -> Landing:
         hit, clip, one = assume(self.wish).hit, self.clip, self.candidate
         seed = hit.setting.seed
-        if clip is not None and clip.impact_time is not None and clip.speed is not None:
-            q = clip.configuration(clip.impact_time)
-            return landing(self.robot, q, hit, clip.speed, seed=seed)
+        if self._q_hit is not None and clip is not None and clip.speed is not None:
+            return landing(self.robot, self._q_hit, hit, clip.speed, seed=seed)
         if one is None:
             raise InfeasibleError("nothing is planned")
         flux = hit.flux if hit.flux is not None else one.deliverable_flux or one.straight_flux
@@ -302,7 +325,7 @@ class Stage:
         self._forget()
 
     def _forget(self) -> None:
-        self.clip, self.time, self._landing = None, 0.0, None
+        self.clip, self.time, self._landing, self._begin = None, 0.0, None, None
 
 
 def planned(robot: Robot, wish: Hit, contacts: tuple[Contact, ...]) -> Plan:
