@@ -79,6 +79,18 @@ def test_a_block_says_what_it_is(page):
         assert block.directive or block.kind in KINDS, f"{page.name}:{block.line}: {block.kind!r}"
 
 
+def test_what_make_demo_types_and_tells_to_type_runs(tmp_path, monkeypatch, run):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "out").mkdir()
+    recipe = (ROOT / "Makefile").read_text().split("\ndemo:")[1].split("\n\n")[0]
+    typed = re.findall(r"\$\(BIN\)/hitjoints (.*?)(?: {2,}.*)?$", recipe, re.M)
+    assert len(typed) == 5
+    for words in typed:
+        if "path/to" not in words:
+            assert run(*words.split()).code == 0, words
+    assert len(list(tmp_path.glob("out/*.png"))) == 3
+
+
 def test_few_blocks_are_not_run():
     found = [block for page in PAGES for block in blocks(page) if not block.directive]
     shown = [block for block in found if block.kind in ("python", "console")]
