@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from hitjoints.errors import InputError
 from hitjoints.first_argument import by_first_argument
 from hitjoints.hit import Hit
@@ -24,6 +26,8 @@ MARGIN = 0.005
 """m, the default clearance."""
 DT = 0.001
 """s, the default spacing of samples."""
+SIZE = (0.1, 0.1, 0.1)
+"""m, edges of the object where none are given."""
 SHORTEST, LONGEST = 1e-4, 0.02
 """s, spacing of samples."""
 
@@ -90,7 +94,8 @@ def swing(  # noqa: PLR0913
         raise InputError("margin", margin, "a finite distance in metres")
     limits = drive_limits(robot, how.acceleration, how.jerk)
     start = robot.within_limits(robot.home if how.q0 is None else how.q0, "q0")
-    room = Room(robot, margin, how.table_height)
+    size = np.array(SIZE) if hit.size is None else hit.size
+    room = Room(robot, margin, how.table_height, size)
     return SwingSearch(robot, hit, limits, room, start, dt, how.seed).swing(how.q_hit)
 
 
