@@ -59,6 +59,14 @@ def triple(text: str, argument: str) -> tuple[float, float, float]:
     return values[0], values[1], values[2]
 
 
+def for_joints(text: str | None) -> list[float] | float | None:
+    """Read one number for all joints, or "x1,x2,..." for each."""
+    if text is None:
+        return None
+    values = numbers(text)
+    return values[0] if len(values) == 1 else values
+
+
 def check_outputs(
     plot: Path | None,
     *outputs: tuple[Path | None, str, tuple[str, ...]],
@@ -91,6 +99,14 @@ ConfigurationOption = Annotated[
 TorquesOption = Annotated[
     bool,
     typer.Option("--torque-limits", help="Keep the effort limits too: start at rest, speed up."),
+]
+AccelerationOption = Annotated[
+    str | None,
+    typer.Option(
+        "--acceleration",
+        metavar="A|A1,A2,...",
+        help="Acceleration limits (rad/s^2), for all joints or each. (default: the robot's)",
+    ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")]
 OutOption = Annotated[

@@ -12,7 +12,7 @@ from .complaints import complain
 from .hit_options import HitOptions
 from .impact_options import ImpactOptions, inertia_rows
 from .option_groups import OptionGroup, without
-from .options import check_outputs, numbers, triple
+from .options import AccelerationOption, check_outputs, for_joints, triple
 from .output_options import OutputOptions
 from .render import print_json, print_table
 from .robot_options import RobotOptions
@@ -29,14 +29,7 @@ class SwingOptions(OptionGroup):
 
     panel: ClassVar[str] = "The motion"
 
-    acceleration: Annotated[
-        str | None,
-        typer.Option(
-            "--acceleration",
-            metavar="A|A1,A2,...",
-            help="Acceleration limits (rad/s^2), for all joints or each. (default: the robot's)",
-        ),
-    ] = None
+    acceleration: AccelerationOption = None
     jerk: Annotated[
         str | None,
         typer.Option(
@@ -69,8 +62,8 @@ class SwingOptions(OptionGroup):
     def arguments(self) -> dict[str, Any]:
         """Return the arguments of `swing` for its limits and surroundings."""
         return {
-            "acceleration": _limits(self.acceleration),
-            "jerk": _limits(self.jerk),
+            "acceleration": for_joints(self.acceleration),
+            "jerk": for_joints(self.jerk),
             "table_height": self.table_height,
             "margin": self.margin,
             "dt": self.dt,
@@ -155,13 +148,6 @@ def swing(
     else:
         _print(result)
     output.tell()
-
-
-def _limits(text: str | None) -> list[float] | float | None:
-    if text is None:
-        return None
-    values = numbers(text)
-    return values[0] if len(values) == 1 else values
 
 
 def _write(result: Swing, out: Path | None, plot: Path | None) -> None:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 FOLLOW_THROUGH = 0.2
 """s from the impact to rest, and"""
 LONGEST = 10
-"""times as long at most where torque limits slow the arm down as they can."""
+"""times as long at most where limits slow the arm down as they can."""
 
 
 @by_first_argument
@@ -49,6 +49,7 @@ def rollout(  # noqa: PLR0913
     gains: Gains | None = None,
     speed_profile: Literal["paper", "constant"] = "constant",
     torque_limits: bool = False,
+    acceleration_limits: bool | ArrayLike = False,
     seed: int = 0,
 ) -> Rollout:
     """Move an arm through a hit, kinematically: every joint follows its commanded velocity.
@@ -76,6 +77,7 @@ def rollout(  # noqa: PLR0913
         gains: see `Controller`.
         speed_profile: see `Controller`.
         torque_limits: see `Controller`.
+        acceleration_limits: see `Controller`.
 
     Returns:
         The result, with `impact` and `dataset`. It is no hit if `reason` is not empty: off the
@@ -97,6 +99,7 @@ def rollout(  # noqa: PLR0913
         q_hit=q_hit,
         run_up=run_up,
         torque_limits=torque_limits,
+        acceleration_limits=acceleration_limits,
         seed=seed,
     )
     hit = by_links(robot, hit, found.q_hit)
@@ -112,6 +115,7 @@ def rollout(  # noqa: PLR0913
         gains=gains,
         speed_profile=speed_profile,
         torque_limits=torque_limits,
+        acceleration_limits=acceleration_limits,
         compiled=False,
     )
     controller.check_step(found.q0)
@@ -121,7 +125,11 @@ def rollout(  # noqa: PLR0913
     approach.run()
     rows = approach.rows + _follow_through(controller, approach.q, approach.rows[-1][1].qd)
     steps = [step for _, step in approach.rows]
-    parameters = {"reference": reference, "law": law, "weighting": weighting, "dt": float(dt)}
+    parameters: dict[str, Any] = {"reference": reference, "law": law, "weighting": weighting}
+    parameters |= {"dt": float(dt), "speed_profile": speed_profile, "seed": seed}
+    parameters["torque_limits"] = torque_limits
+    if controller.accelerations is not None:
+        parameters["acceleration_limits"] = controller.accelerations.told.tolist()
     return Rollout(
         robot,
         hit,
@@ -134,7 +142,7 @@ def rollout(  # noqa: PLR0913
         sum(step.braked for step in steps),
         _columns(controller, rows, len(steps)),
         np.array(approach.times),
-        parameters | {"speed_profile": speed_profile, "torque_limits": torque_limits, "seed": seed},
+        parameters,
     )
 
 

@@ -105,9 +105,11 @@ class Rollout:
     def acceleration_ratio_max(self) -> float:
         """Greatest change of a velocity from step to step, in units of the acceleration limit.
 
-        The first is that from rest; nan if the robot does not tell its limits.
+        The first is that from rest. The limits are those that were kept, else the robot's; nan if
+        it does not tell them.
         """
-        most = self.robot.acceleration
+        kept = self.parameters.get("acceleration_limits")
+        most = np.array(kept) if kept else self.robot.acceleration
         if most is None:
             return math.nan
         steps = np.diff(self.rows["qd"], axis=0, prepend=0.0)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from hitjoints.errors import InputError
 from hitjoints.first_argument import by_first_argument
 from hitjoints.hitting.drive_limits import drive_limits
@@ -21,6 +23,8 @@ if TYPE_CHECKING:
 
 MARGIN = 0.005
 """m, the default clearance."""
+SIZE = (0.1, 0.1, 0.1)
+"""m, edges of the object where none are given."""
 SHORTEST, LONGEST = 1e-4, 0.02
 """s, spacing of samples."""
 
@@ -71,7 +75,7 @@ def swing(  # noqa: PLR0913
         raise InputError("margin", margin, "a finite distance in metres")
     limits = drive_limits(robot, acceleration, jerk)
     start = robot.within_limits(robot.home if q0 is None else q0, "q0")
-    room = Room(robot, margin, table_height)
+    room = Room(robot, margin, table_height, np.array(SIZE) if hit.size is None else hit.size)
     return SwingSearch(robot, hit, limits, room, start, dt, seed).swing(q_hit)
 
 
