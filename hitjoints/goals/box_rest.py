@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from hitjoints.goals.box_hit import Boxes, Departure, hit_boxes
+from hitjoints.goals.leaning import turned
 from hitjoints.goals.sliding import Rest, Support, slide_to_rest
 from hitjoints.impact.shown_inertia import shown_mobility
 
@@ -148,10 +149,13 @@ def send_boxes(
         InfeasibleError: as `strike_boxes`.
     """
     left = strike_boxes(robot, q, hit, boxes, speed, restitution)
+    down = left.down
     slid = slide_to_rest(
-        left.sliding, left.turning, boxes.size, boxes.friction, yaw=boxes.yaw, support=boxes.support
-    )
-    return left, slid
+        turned(down.moved.velocity, boxes.yaw), down.moved.spin, boxes.size, boxes.friction,
+        yaw=boxes.yaw + down.yaw, support=boxes.support,
+    )  # fmt: skip
+    way = slid.displacement + turned(down.way, boxes.yaw)
+    return left, replace(slid, displacement=way, yaw=slid.yaw + down.yaw)
 
 
 def strike_boxes(

@@ -11,6 +11,7 @@ import numpy as np
 from hitjoints.errors import InputError
 from hitjoints.goals.box_hit import Boxes
 from hitjoints.goals.box_rest import level_axes, send_boxes, strike_boxes
+from hitjoints.goals.leaning import turned
 from hitjoints.goals.slide_path import SlidePath
 from hitjoints.goals.sliding import Support, slide_steps
 
@@ -141,15 +142,20 @@ def slide_after(
     _check(hit, speed)
     drawn = _draw(hit, 0, 0)
     boxes = _boxes(hit, drawn, 0.0, 0.0, support)
-    left = strike_boxes(robot, q, hit, boxes, speed * drawn["speed"], drawn["restitution"])
+    # Hit level with its centre a box does not pitch: it slides at once.
+    moved = strike_boxes(
+        robot, q, hit, boxes, speed * drawn["speed"], drawn["restitution"]
+    ).down.moved
+    velocity = turned(moved.velocity, boxes.yaw)
     steps = slide_steps(
-        left.sliding, left.turning, boxes.size, boxes.friction, yaw=boxes.yaw, support=support
+        velocity, moved.spin, boxes.size, boxes.friction, yaw=boxes.yaw, support=support
     )
     rows = [(time[0], state[0]) for time, state in steps]
     times, states = np.array([time for time, _ in rows]), np.array([state for _, state in rows])
     axes = level_axes(hit)
-    turned = states[:, 5] - states[0, 5]
-    return SlidePath(times, states[:, 3:5] @ axes.T, states[:, :2] @ axes.T, turned)
+    return SlidePath(
+        times, states[:, 3:5] @ axes.T, states[:, :2] @ axes.T, states[:, 5] - states[0, 5]
+    )
 
 
 def _check(hit: Hit, speed: float) -> None:
