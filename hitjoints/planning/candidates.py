@@ -17,7 +17,7 @@ from hitjoints.impact.composite import composite_inertia
 from hitjoints.quantities import hitting_speed
 
 if TYPE_CHECKING:
-    from hitjoints.planning.search.groups import Found
+    from hitjoints.planning.search.found import Found
     from hitjoints.planning.task import Task
     from hitjoints.types import Array
 
@@ -47,7 +47,7 @@ class Candidate:
         offset: (3,) m, of the contact in the joint's frame.
         links_inertia: kg, that of the links alone, where `inertia` is what elastic joints show at
             the best configuration of the links; else None.
-        evidence: samples, admissible, local_optima, restarts, spread, agreeing, certificate.
+        evidence: samples, admissible, local_optima, restarts, spread, agreeing, local, certificate.
     """
 
     joint: int
@@ -184,5 +184,6 @@ def evidence_of(found: Found) -> dict[str, Any]:
         "restarts": best,
         "spread": found.spread if best.size else None,
         "agreeing": int((best >= most * (1 - 1e-4)).sum()),
+        "local": found.local,
         "certificate": None,
     }

@@ -55,6 +55,7 @@ def plan(  # noqa: PLR0913
     torque_limits: bool = False,
     deliverable: bool = False,
     drives: Drives = RIGID,
+    near: Plan | None = None,
 ) -> Plan:
     """Choose the joint and the configuration for a hit.
 
@@ -86,6 +87,9 @@ def plan(  # noqa: PLR0913
             by "elastic" each joint's best configuration of the links alone is ranked again.
         torque_limits: the start is one from rest, with the way that the motors need; and for every
             joint find what torque limits cost.
+        near: a plan of the same arm for a hit that was little different: in milliseconds each of
+            its candidates is led to the nearest optimum. Others may be better by now, so that
+            `evidence["local"]` is true; a joint with nothing there is planned anew.
 
     Returns:
         A candidate per joint, feasible or with the reason why not, and the best.
@@ -116,10 +120,11 @@ def plan(  # noqa: PLR0913
         drive_limits(robot)  # are they known?
     found = []
     for task in tasks:
-        near = None if hints is None else hints.get(task.contact.joint)
-        near = None if near is None else np.atleast_2d(robot.configuration(near, "hints"))
+        hinted = None if hints is None else hints.get(task.contact.joint)
+        hinted = None if hinted is None else np.atleast_2d(robot.configuration(hinted, "hints"))
         demands = _demands(task, accept, surroundings)
-        one = plan_joint(task, replace(request, accept=demands, hints=near))
+        known = None if near is None else _planned(near, task, digest)
+        one = plan_joint(task, replace(request, accept=demands, hints=hinted, near=known))
         if one.q is not None and surroundings is not None:
             one = replace(one, clearance=surroundings.report(robot, one.q, task.contact, h))
         if one.feasible and drives.model == "elastic":
@@ -174,13 +179,16 @@ def _setting(robot: Robot, contacts: Sequence[Contact] | None, around: Surroundi
 
 
 @plan.register(Hit)
-def plan_hit(hit: Hit, robot: Robot | None = None, certificate: bool = True) -> Plan:
+def plan_hit(
+    hit: Hit, robot: Robot | None = None, certificate: bool = True, near: Plan | None = None
+) -> Plan:
     """Choose the joint and the configuration for a hit that says all the rest itself.
 
     Args:
         hit: what is asked, with the arm and how to plan in its setting.
         robot: the arm, if it is loaded already.
         certificate: as `plan`.
+        near: as `plan`.
     """
     setting = hit.setting
     if robot is None:
@@ -201,6 +209,7 @@ def plan_hit(hit: Hit, robot: Robot | None = None, certificate: bool = True) -> 
         away=setting.away,
         seed=setting.seed,
         certificate=certificate,
+        near=near,
         surroundings=Surroundings.of(hit),
         start=True,
         torque_limits=setting.torque_limits,
@@ -208,6 +217,19 @@ def plan_hit(hit: Hit, robot: Robot | None = None, certificate: bool = True) -> 
         drives=drives,
     )
     return replace(planned, hit=hit)
+
+
+def _planned(previous: Plan, task: Task, digest: str) -> Array | None:
+    """Return where a plan has a joint, (1, n) rad; None if it has none for it.
+
+    Raises:
+        InputError: it is no plan of this arm.
+    """
+    if not isinstance(previous, Plan) or previous.digest != digest:
+        of = f"a plan for {previous.robot}" if isinstance(previous, Plan) else previous
+        raise InputError("near", of, f"a plan for this {task.robot.name}")
+    places = [one.q for one in previous.candidates if one.feasible and _is_of(task, one)]
+    return np.atleast_2d(places[0]) if places else None
 
 
 def _demands(

@@ -15,7 +15,7 @@ from hitjoints.planning.words import told_apart, vector
 
 if TYPE_CHECKING:
     from hitjoints.kernels import Placement
-    from hitjoints.planning.search.groups import Found
+    from hitjoints.planning.search.found import Found
     from hitjoints.planning.task import Task
     from hitjoints.types import Array
 
