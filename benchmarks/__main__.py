@@ -19,6 +19,7 @@ MODULES = (
     "microseconds",
     "programs",
     "control",
+    "rollouts",
     "planning",
     "kernels",
     "workspace",

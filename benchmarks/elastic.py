@@ -10,7 +10,7 @@ import numpy as np
 
 import hitjoints as hj
 from benchmarks.harness import Figure, seconds
-from hitjoints.evidence.physics.engine_scene import ImpactState
+from hitjoints.evidence.physics.first_touch import ImpactState
 from hitjoints.evidence.physics.setting import EngineSetting
 from hitjoints.evidence.physics.strike import strike
 from tests.oracles.random_rollouts import feasible_hits

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
 from .complaints import complain
+from .figure_options import FigureOptions
+from .hit_options import FLUX, HitOptions
 from .impact_options import ImpactOptions, inertia_rows
-from .option_groups import without
+from .option_groups import OptionGroup, without
 from .options import JsonOption
 from .output_options import tell_written
 from .render import plain, print_json, print_table
+from .robot_options import RobotOptions
 
 if TYPE_CHECKING:
-    from hitjoints.answers.answer import Answer
-    from hitjoints.hit import Hit
+    from hitjoints.answers.answer_record import Answer
+    from hitjoints.swings.swing_record import Swing
 
 NEW = """\
 # A hit: which object, where, how heavy, which way, how hard, and with what. It works as it is:
@@ -31,6 +34,7 @@ source = "iiwa14"                   # a name (hitjoints robots list), or the pat
 # tip = "flange"                    # the link that the arm ends with, if there are several
 # base = "base_link"                # the link that it stands on
 # lock = { finger_joint = 0.0 }     # joints that are held
+# tool = "tool.toml"                # on the flange
 # package_dirs = ["."]              # folders of package:// addresses
 # xacro_args = { name = "value" }
 
@@ -65,6 +69,8 @@ torque_limits = false
 seed = 0
 # dt = 0.001                        # s, of motions
 # q0 = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]     # where motions start
+# tolerance = 0.05                  # m, how far from the goal counts as there
+# hits = 3                          # how many hits a goal may take; 1 if left out
 
 [impact]                            # the inertia that the arm shows, see docs/impact.md
 model = "rigid"                     # the links alone; or rotor, composite, elastic
@@ -74,48 +80,87 @@ model = "rigid"                     # the links alone; or rotor, composite, elas
 """
 
 
-FILES = ("hit.toml", "plan.json", "trajectory.csv", "trajectory.json", "answer.json", "hit.png")
+FILES = ("plan.json", "trajectory.csv", "trajectory.json", "hit.png")
+"""Of each hit, in the folder; of a sequence each in a folder of its own."""
+WISH, ANSWER = "hit.toml", "answer.json"
 
 
-def hit(
-    impact: Annotated[ImpactOptions, without("restitution")],
-    file: Annotated[Path | None, typer.Argument(metavar="[FILE]", help="hit.toml to read.")] = None,
+@dataclass(frozen=True)
+class AnswerOptions(OptionGroup):
+    """How it is answered, and where the answer goes."""
+
+    panel: ClassVar[str] = "The answer"
+
+    hits: Annotated[
+        int, typer.Option("--hits", metavar="N", help="How many hits a goal may take.")
+    ] = 1
+    objective: Annotated[
+        str,
+        typer.Option(
+            "--objective",
+            help="landing: the joint whose object most surely arrives; else the one that delivers "
+            "most.",
+        ),
+    ] = "deliverable"
+    tolerance: Annotated[
+        float, typer.Option("--tolerance", metavar="M", help="Around the goal.")
+    ] = 0.05
+    simulate: Annotated[
+        bool | None,
+        typer.Option(
+            "--simulate/--no-simulate",
+            help="Look at the motion in the physics engine. (default: if it is installed)",
+        ),
+    ] = None
     new: Annotated[
         Path | None, typer.Option("--new", metavar="FILE", help="Write a commented hit.toml.")
-    ] = None,
+    ] = None
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="DIR", help="Write the plan, the motion, a picture there."),
-    ] = None,
-    tolerance: Annotated[
-        float, typer.Option("--tolerance", metavar="M", help="Around the goal.")
-    ] = 0.05,
-    as_json: JsonOption = False,
+    ] = None
+    as_json: JsonOption = False
+
+
+def hit(
+    robot: RobotOptions,
+    hit: Annotated[HitOptions, without("file")],
+    impact: Annotated[ImpactOptions, without("restitution")],
+    how: AnswerOptions,
+    look: Annotated[FigureOptions, without("plot")],
+    file: Annotated[Path | None, typer.Argument(metavar="[FILE]", help="hit.toml to read.")] = None,
 ) -> None:
     """Take a wish to its verdict: the joint, a motion that can be sent, where the object ends.
 
-    Without a FILE the wish of a new hit.toml is taken.
+    The wish is that of FILE; what is typed goes before it.
     """
     from hitjoints.answers.answer import answer
     from hitjoints.hit_loading import load_hit
 
-    if new is not None:
-        _write_new(new)
-        if as_json:
-            print_json({"hit": load_hit(new).as_dict(), "files": [str(new)]})
+    if how.new is not None:
+        _write_new(how.new)
+        if how.as_json:
+            print_json({"hit": load_hit(how.new).as_dict(), "files": [str(how.new)]})
         return
-    if out is not None:
-        _check_folder(out, file)
-    wanted = load_hit(file) if file is not None else _usual()
-    wanted = wanted.changed(setting=replace(wanted.setting, **impact.setting()))
-    found = answer(wanted, tolerance=tolerance)
-    files = [] if out is None else _write(found, out)
-    if as_json:
-        print_json(found.as_dict() | {"files": [str(path) for path in files]})
+    look.check_look(drawn=how.out is not None)
+    if how.out is not None:
+        _check_folder(how.out, file)
+    asked = replace(hit, file=file).read()
+    arm = robot.load()
+    names = ("hits", "objective", "tolerance")
+    setting = {name: getattr(how, name) for name in names} | {"robot": robot.choice}
+    setting |= impact.setting()
+    wanted = asked.hit(arm, **setting)
+    if file is None and wanted.flux is None:
+        wanted = wanted.changed(flux=FLUX)
+    found = answer(wanted, arm, simulated=how.simulate)
+    files, told = ([], found.as_dict()) if how.out is None else _write(found, how.out, look)
+    if how.as_json:
+        print_json(told | {"files": [str(path) for path in files]})
     else:
         _print(found)
     tell_written(*files)
-    if found.swing is None:
+    if found.verdict == "no":
         raise typer.Exit(3)
 
 
@@ -130,18 +175,6 @@ def _write_new(path: Path) -> None:
     complain("written", str(path))
 
 
-def _usual() -> Hit:
-    """Return the hit of a new file."""
-    import tempfile
-
-    from hitjoints.hit_loading import load_hit
-
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "hit.toml"
-        path.write_text(NEW, encoding="utf-8")
-        return load_hit(path)
-
-
 def _check_folder(out: Path, file: Path | None) -> None:
     """Refuse a folder that cannot be written to, before any work is done for it."""
     from hitjoints.errors import InputError
@@ -150,47 +183,64 @@ def _check_folder(out: Path, file: Path | None) -> None:
         raise InputError("out", out, "a folder is needed; this is a file")
     if not out.parent.is_dir():
         raise InputError("out", out, f"there is no folder {out.parent}")
-    if file is not None and out.exists() and file.resolve() == (out / FILES[0]).resolve():
+    if file is not None and out.exists() and file.resolve() == (out / WISH).resolve():
         raise InputError("out", out, "the file that is read would be overwritten")
 
 
-def _write(found: Answer, out: Path) -> list[Path]:
-    """Write what there is of the answer; return the files."""
+def _write(found: Answer, out: Path, look: FigureOptions) -> tuple[list[Path], dict[str, Any]]:
+    """Write what there is of the answer; return the files, and the answer as JSON."""
     import json
 
     from hitjoints.datasets.files import write_whole
-    from hitjoints.show.answer_figure import draw_answer
-    from hitjoints.show.figures import save_figure
 
     out.mkdir(exist_ok=True)
-    wish, plan, csv, ros, answer, figure = (out / name for name in FILES)
-    found.hit.save(wish)
-    found.plan.save(plan)
-    text = json.dumps(plain(found.as_dict()), allow_nan=False, indent=1) + "\n"
-    write_whole(answer, "out", lambda made: made.write_text(text, encoding="utf-8"))
-    if found.swing is None:
-        return [wish, plan, answer]
-    found.swing.save(csv)
-    found.swing.save(ros)
-    save_figure(draw_answer(found), figure)
-    return [wish, plan, csv, ros, answer, figure]
+    parts = found.hits or (found,)
+    folders = [out] if len(parts) == 1 else [out / f"hit_{k + 1}" for k in range(len(parts))]
+    written = [_write_hit(one, folder, look) for one, folder in zip(parts, folders, strict=True)]
+    told: dict[str, Any] = plain(found.as_dict(*(paths[1:3] for paths in written)))
+    found.hit.save(out / WISH)
+    text = json.dumps(told, allow_nan=False, indent=1) + "\n"
+    write_whole(out / ANSWER, "out", lambda made: made.write_text(text, encoding="utf-8"))
+    return [out / WISH, *(path for paths in written for path in paths), out / ANSWER], told
+
+
+def _write_hit(one: Answer, folder: Path, look: FigureOptions) -> list[Path]:
+    """Write plan, motion and picture of one hit; of a no, the plan."""
+    from hitjoints.show import figures
+    from hitjoints.show.sheet import save_figure
+
+    folder.mkdir(exist_ok=True)
+    plan, csv, ros, figure = (folder / name for name in FILES)
+    one.plan.save(plan)
+    if one.swing is None:
+        return [plan]
+    one.swing.save(csv)
+    one.swing.save(ros)
+    save_figure(figures.answer(one, **look.look), figure)
+    return [plan, csv, ros, figure]
 
 
 def _print(found: Answer) -> None:
-    if found.swing is not None:
-        swing = found.swing
-        rows: list[tuple[object, ...]] = [
-            *inertia_rows(swing),
-            ("speed", swing.speed, "m/s"),
-            ("flux", swing.flux, "m/s"),
-            ("impact after", swing.impact_time, "s"),
-            ("at rest after", swing.duration, "s"),
-            ("clearance", swing.clearance, f"m, {swing.closest}"),
-        ]
-        joint = swing.hit.chosen_contact.joint
-        print_table(
-            f"{found.robot.title}: joint {joint} hits {swing.hit.words}",
-            ("hit", "value", "unit"),
-            rows,
-        )
+    for one in found.hits or (found,):
+        if one.swing is not None:
+            _print_hit(found.robot.title, one.swing)
+        if one.simulated is not None:
+            told, errors = one.simulated.simulated, one.simulated.errors
+            off = errors["object_speed"] or 0.0
+            print(
+                f"physics engine: object speed {told['object_speed']:.4g} m/s ({100 * off:+.2f} %)"
+            )
     print(found.words)
+
+
+def _print_hit(title: str, swing: Swing) -> None:
+    rows: list[tuple[object, ...]] = [
+        *inertia_rows(swing),
+        ("speed", swing.speed, "m/s"),
+        ("flux", swing.flux, "m/s"),
+        ("impact after", swing.impact_time, "s"),
+        ("at rest after", swing.duration, "s"),
+        ("clearance", swing.clearance, f"m, {swing.closest}"),
+    ]
+    joint = swing.hit.chosen_contact.joint
+    print_table(f"{title}: joint {joint} hits {swing.hit.words}", ("hit", "value", "unit"), rows)

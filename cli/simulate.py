@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
@@ -28,10 +29,13 @@ SHOWN = {
     "contact time": "{:g} s",
     "contact friction": "{:g}",
     "off-centre": "{:g} m",
+    "turned box": "{:g} rad",
+    "height": "{:g} m",
     "table": "box stands on it",
     "elastic joints": "{:g} N m/rad",
 }
 """How the value of each cause is printed."""
+DEGREES = 180 / math.pi
 
 
 @dataclass(frozen=True)
@@ -41,8 +45,9 @@ class SettingOptions(OptionGroup):
     panel: ClassVar[str] = "The engine"
 
     restitution: Annotated[
-        float, typer.Option("--restitution", help="Of arm and object, from 0 to 1.")
-    ] = 0.5
+        float | None,
+        typer.Option("--restitution", help="Of arm and object, from 0 to 1. (default: 0.5)"),
+    ] = None
     realistic: Annotated[
         bool,
         typer.Option(
@@ -51,10 +56,24 @@ class SettingOptions(OptionGroup):
         ),
     ] = False
     size: Annotated[
-        str,
-        typer.Option("--size", metavar="X,Y,Z", help="Box along the direction, sideways, up (m)."),
-    ] = "0.1,0.1,0.1"
-    friction: Annotated[float, typer.Option("--friction", help="Between box and table.")] = 0.3
+        str | None,
+        typer.Option(
+            "--size",
+            metavar="X,Y,Z",
+            help="Box along the hit face's normal, sideways, up (m). (default: 0.1,0.1,0.1)",
+        ),
+    ] = None
+    yaw: Annotated[
+        float | None,
+        typer.Option("--yaw", metavar="RAD", help="Of the box, to the left. (default: 0)"),
+    ] = None
+    friction: Annotated[
+        float | None, typer.Option("--friction", help="Between box and table. (default: 0.3)")
+    ] = None
+    support: Annotated[
+        str | None,
+        typer.Option("--support", metavar="face|corners", help="What carries the box."),
+    ] = None
     contact_time: Annotated[
         float | None,
         typer.Option("--contact-time", metavar="S", help="(default: 0.0001; realistic: 0.01)"),
@@ -78,23 +97,41 @@ class SettingOptions(OptionGroup):
         ),
     ] = None
 
+    height: Annotated[
+        float | None,
+        typer.Option(
+            "--height", metavar="M", help="Of the contact above the box's centre. (default: 0)"
+        ),
+    ] = None
     elastic: Annotated[
-        bool,
-        typer.Option("--elastic", help="Motors on springs; then a contact lasts 0.01 s."),
-    ] = False
+        bool | None,
+        typer.Option(
+            "--elastic/--no-elastic",
+            help="Motors on springs; then a contact lasts 0.01 s. "
+            "(default: if the hit reckons with them)",
+        ),
+    ] = None
     stiffness: StiffnessOption = None
     rotor_inertia: RotorOption = None
 
     @property
-    def edges(self) -> Any:
-        """The box's, (3,) m.
+    def edges(self) -> tuple[float, float, float] | None:
+        """The box's, (3,) m, if they were given.
 
         Raises:
             InputError: not three numbers.
         """
-        import numpy as np
+        return None if self.size is None else triple(self.size, "size")
 
-        return np.array(triple(self.size, "size"))
+    def told(self) -> dict[str, float]:
+        """Return what a goal needs to know of the box: what is given, or else usual."""
+        from hitjoints.evidence.physics.setting import EngineSetting
+
+        given = {"restitution": self.restitution, "friction": self.friction}
+        return {
+            name: getattr(EngineSetting, name) if value is None else value
+            for name, value in given.items()
+        }
 
     def arguments(self) -> dict[str, Any]:
         """Return the arguments of `simulate` for its setting.
@@ -106,7 +143,7 @@ class SettingOptions(OptionGroup):
         realistic = given.pop("realistic")
         mode = "realistic" if realistic else "ideal"
         joints = {name: of_joints(given[name]) for name in ("stiffness", "rotor_inertia")}
-        return given | joints | {"mode": mode, "size": triple(self.size, "size")}
+        return given | joints | {"mode": mode, "size": self.edges}
 
 
 @dataclass(frozen=True)
@@ -146,18 +183,21 @@ def simulate(
     why.
     """
     from hitjoints.evidence.physics.simulation import simulate as run
+    from hitjoints.show import figures
 
     output.check(robot.robot, start.plan, hit.file)
     planned = start.planned()
-    asked = hit.read(planned, restitution=how.restitution, friction=how.friction)
+    asked = hit.read(planned, **how.told())
     arm = robot.load()
     wanted = asked.flux_hit(arm)
     given = start.arguments(planned, wanted, arm)
     if swing:
-        result = run(_swing(arm, wanted.changed(size=how.edges), given), **how.arguments())
+        sized = wanted if how.edges is None else wanted.changed(size=how.edges)
+        result = run(_swing(arm, sized, given), **how.arguments())
     else:
         result = run(arm, wanted, **how.arguments(), **given)
-    _write(result, output.out, output.plot, output.animate)
+    _write(result, output.out, output.animate)
+    output.save(figures.simulation, result)
     if output.as_json:
         said = {"robot": robot.robot, "joint": result.impact.contact.joint, "flux": wanted.flux}
         print_json(said | result.as_dict())
@@ -180,7 +220,7 @@ def _swing(arm: Robot, hit: Hit, given: dict[str, Any]) -> Swing:
     return swing(arm, hit, q0=given["q0"], q_hit=given["q_hit"], seed=given["seed"])
 
 
-def _write(result: Simulation, out: Path | None, plot: Path | None, animate: Path | None) -> None:
+def _write(result: Simulation, out: Path | None, animate: Path | None) -> None:
     if out is not None:
         from hitjoints.datasets.files import write_dataset
         from hitjoints.rollouts.record import flattened
@@ -189,11 +229,6 @@ def _write(result: Simulation, out: Path | None, plot: Path | None, animate: Pat
         if out.suffix == ".csv":  # a table has one time: that of the contact
             dataset = flattened(dataset.drop_dims("slide_time", errors="ignore"))
         write_dataset(dataset, out)
-    if plot is not None:
-        from hitjoints.show.figures import save_figure
-        from hitjoints.show.simulation_figure import draw_simulation
-
-        save_figure(draw_simulation(result), plot)
     if animate is not None:
         from hitjoints.show.animation import save_animation
 
@@ -217,6 +252,7 @@ def _print(result: Simulation) -> None:
         [(*row[:3], _percent(row[3]), row[4]) for row in rows],
         caption="simulated inertia: by the balance of momentum",
     )
+    _print_rest(result)
     if result.elastic is not None and result.elastic_errors is not None:
         off, elastic = result.elastic_errors, result.elastic
         robot_speed = told.speed + found.rebound
@@ -238,6 +274,29 @@ def _print(result: Simulation) -> None:
             ("cause", "is", "object speed", "without", "rebound", "without", "inertia", "without"),
             [_share(result, cause) for cause in result.causes],
         )
+
+
+def _print_rest(result: Simulation) -> None:
+    """Print where the box ends, and where it should."""
+    found, told = result.rest, result.predicted_rest
+    if found is None:
+        return
+    rows: list[tuple[object, ...]] = []
+    for name, unit, scale in (
+        ("speed", "m/s", 1.0), ("spin", "rad/s", 1.0), ("distance", "m", 1.0),
+        ("direction", "degrees", DEGREES), ("yaw", "degrees", DEGREES),
+    ):  # fmt: skip
+        pair = [None if one is None else scale * getattr(one, name) for one in (told, found)]
+        rows.append((name, *pair, unit))
+    end = "it fell over" if found.tipped else "at rest"
+    at = ", ".join(f"{value:.4g}" for value in found.place)
+    miss = "" if told is None else f", {1e3 * found.miss(told):.3g} mm from the predicted place"
+    print_table(
+        f"The box, {end} at ({at}) m{miss}",
+        ("", "predicted", "simulated", "unit"),
+        rows,
+        caption=f"no prediction: {result.unpredicted}" if told is None else "",
+    )
 
 
 def _share(result: Simulation, cause: Cause) -> tuple[object, ...]:

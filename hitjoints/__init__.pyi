@@ -1,7 +1,7 @@
 """Where each public name lives: the one list of them. Loaded on first use."""
 
-from .answers.answer import Answer as Answer
 from .answers.answer import answer as answer
+from .answers.answer_record import Answer as Answer
 from .dynamics.inertia import inverse_inertia as inverse_inertia
 from .dynamics.kinematics import (
     FeasibleDirections as FeasibleDirections,
@@ -102,6 +102,9 @@ from .quantities import (
     place_joint as place_joint,
 )
 from .rollouts.follow import rollout as rollout
+from .rollouts.many_record import Rollouts as Rollouts
+from .rollouts.side_by_side import rollouts as rollouts
+from .show import figures as figures
 from .show.open_viewer import view as view
 from .swings.make_swing import swing as swing
 from .swings.swing_record import Swing as Swing

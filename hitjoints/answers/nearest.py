@@ -25,6 +25,8 @@ class Nearest:
             flux asked for; None if it does so to none.
         goal: (3,) m, how far towards the goal the object gets; None without a goal.
         distance: m, the way there; None without a goal.
+        way: (3,) m each, where the object rests on a way of several hits that by the map of
+            deliverable fluxes would take it to the goal; None where no such way is known.
     """
 
     joint: int
@@ -32,6 +34,12 @@ class Nearest:
     mass: float | None
     goal: Array | None
     distance: float | None
+    way: tuple[Array, ...] | None = None
+
+    @property
+    def hits(self) -> int | None:
+        """How many hits that way takes."""
+        return None if self.way is None else len(self.way) + 1
 
     @property
     def words(self) -> str:
@@ -42,12 +50,16 @@ class Nearest:
             parts.append(f"which moves the object {self.distance:.3g} m, to ({at}) m")
         if self.mass is not None:
             parts.append(f"an object of {self.mass:.3g} kg would do")
+        if self.way is not None:
+            by = ", ".join(f"({place[0]:.3f}, {place[1]:.3f})" for place in self.way)
+            parts.append(f"{self.hits} hits may do, by way of {by} m: ask with hits = {self.hits}")
         return "; ".join(parts)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the attributes by name, as JSON knows them."""
         goal = None if self.goal is None else self.goal.tolist()
-        return vars(self) | {"goal": goal}
+        way = None if self.way is None else [place.tolist() for place in self.way]
+        return vars(self) | {"goal": goal, "hits": self.hits, "way": way}
 
 
 def nearest_hit(hit: Hit, joint: int, inertia: float, flux: float) -> Nearest:

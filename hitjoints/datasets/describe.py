@@ -56,20 +56,22 @@ UNITS = {
 PACKAGES = ("pin", "numpy")
 
 
+@cache  # finding them takes a millisecond
+def versions() -> str:
+    """Return the versions of hitjoints and of what its numbers hang on."""
+    others = ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES)
+    return f"hitjoints {__version__} ({others})"
+
+
 def origin(robot: Robot) -> dict[str, Any]:
     """Return what a data set's numbers hang on: the robot and the versions."""
     return {
         "Conventions": "CF-1.11",
         "title": f"hitjoints: {robot.title}",
-        "source": f"hitjoints {__version__} ({_versions()})",
+        "source": versions(),
         "robot": robot.name,
         "robot_digest": robot.digest,
     }
-
-
-@cache  # finding them takes a millisecond
-def _versions() -> str:
-    return ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES)
 
 
 def described(dataset: Dataset, robot: Robot, **parameters: Any) -> Dataset:

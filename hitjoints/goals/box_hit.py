@@ -8,18 +8,34 @@ then the table pushes back at the edge it pitches over, with friction.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hitjoints.constants import GRAVITY
 from hitjoints.errors import InfeasibleError
+from hitjoints.goals.coming_down import Afloat, come_down
+from hitjoints.goals.leaning import Response, respond, turned
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from hitjoints.goals.sliding import Support
     from hitjoints.types import Array
 
 STEEPEST = 0.75
 """Greatest friction x height / length of a box that slides on its face, not on its front edge."""
+
+
+def lever(offset: ArrayLike, yaw: ArrayLike, length: float) -> Array:
+    """Return the distance (N,) m of a contact from the middle of the face, to the left.
+
+    Args:
+        offset: (N,) m, how far to the left of the box's centre the line of the hit passes.
+        yaw: (N,) rad, of the face's normal against the hitting direction, to the left.
+        length: m, of the box along that normal.
+    """
+    return np.asarray((np.asarray(offset) + length / 2 * np.sin(yaw)) / np.cos(yaw))
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +49,7 @@ class Boxes:
         offset: (N,) m, how far to the left of the box's centre the line of the hit passes.
         height: m, of the contact above the centre of mass.
         friction: (N,) mu on the table.
+        support: what carries the boxes.
     """
 
     mass: Array
@@ -41,12 +58,12 @@ class Boxes:
     offset: Array
     height: float
     friction: Array
+    support: Support = "face"
 
     @property
     def lever(self) -> Array:
         """Distance (N,) m of the contact from the middle of the face, to the left."""
-        half = self.size[0] / 2
-        return np.asarray((self.offset + half * np.sin(self.yaw)) / np.cos(self.yaw))
+        return lever(self.offset, self.yaw, self.size[0])
 
     @property
     def spin_inertia(self) -> Array:
@@ -54,37 +71,29 @@ class Boxes:
         return np.asarray(self.mass * (self.size[0] ** 2 + self.size[1] ** 2) / 12)
 
     @property
+    def roll_inertia(self) -> Array:
+        """About the face's normal, (N,) kg m^2."""
+        return np.asarray(self.mass * (self.size[1] ** 2 + self.size[2] ** 2) / 12)
+
+    @property
     def pitch_inertia(self) -> Array:
         """About the axis across the face's normal, (N,) kg m^2."""
         return np.asarray(self.mass * (self.size[0] ** 2 + self.size[2] ** 2) / 12)
 
-    def push_back(self) -> Array:
-        """Return the table's impulse (N,), vertical, as a share of the hit's.
-
-        Such that the edge over which the box pitches does not sink in.
-        """
-        z, length, up = self.height, self.size[0], self.size[2]
-        slip = np.sign(z) * self.friction * length * up / 4
-        turning = self.pitch_inertia
-        return np.asarray(
-            length / 2 * abs(z) / turning / (1 / self.mass + (length**2 / 4 - slip) / turning)
-        )
-
-    def pitch(self) -> Array:
-        """Return the pitching speed (N,) rad/s after a unit impulse, towards the hit's height."""
-        z, length, up = self.height, self.size[0], self.size[2]
-        table = self.push_back()
-        drag = np.sign(z) * self.friction * table * up / 2
-        return np.asarray((abs(z) - table * length / 2 + drag) / self.pitch_inertia)
+    @cached_property
+    def response(self) -> Response:
+        """How the boxes answer to a unit impulse."""
+        return respond(self)
 
     def effective_mass(self) -> Array:
         """Return the mass (N,) kg that the contact feels along the face's normal."""
-        advance = (1 - self.friction * self.push_back()) / self.mass
-        turn = self.lever**2 / self.spin_inertia
-        return np.asarray(1 / (advance + turn + self.pitch() * abs(self.height)))
+        moved = self.response
+        return np.asarray(
+            1 / (moved.velocity[:, 0] - moved.spin * self.lever + moved.pitch * self.height)
+        )
 
-    def obstacles(self, impulse: Array) -> list[str]:
-        """Return why boxes hit with impulses (N,) N s do not simply slide."""
+    def obstacles(self) -> list[str]:
+        """Return why boxes do not simply slide, however hard they are hit."""
         reasons = []
         lever, face = float(np.abs(self.lever).max()), self.size[1] / 2
         if lever > face:
@@ -95,12 +104,6 @@ class Boxes:
             reasons.append(
                 f"it would slide on its edge: friction x height / length is above {STEEPEST:g}"
             )
-        half, up = self.size[0] / 2, self.size[2] / 2
-        about_edge = self.pitch_inertia + self.mass * (half**2 + up**2)
-        energy = about_edge * (self.pitch() * impulse) ** 2 / 2
-        lift = np.hypot(half, up) - up
-        if (energy > self.mass * GRAVITY * lift).any():
-            reasons.append(f"it would tip over: it is hit {abs(self.height):.3g} m off its centre")
         return reasons
 
 
@@ -112,11 +115,13 @@ class Departure:
         velocity: (N, 2) m/s, of the centre, along the hitting direction and to its left.
         spin: (N,) rad/s about the vertical.
         impulse: (N,) N s, along the face's normal.
+        down: what they do until they lie flat, in the axes of the face.
     """
 
     velocity: Array
     spin: Array
     impulse: Array
+    down: Afloat
 
 
 def hit_boxes(boxes: Boxes, inertia: Array, speed: Array, restitution: Array) -> Departure:
@@ -133,9 +138,11 @@ def hit_boxes(boxes: Boxes, inertia: Array, speed: Array, restitution: Array) ->
     """
     closing = speed * np.cos(boxes.yaw)
     impulse = (1 + restitution) * closing / (1 / inertia + 1 / boxes.effective_mass())
-    reasons = boxes.obstacles(impulse)
+    moved = Response(*(impulse * part.T for part in boxes.response))
+    moved = moved._replace(velocity=moved.velocity.T)
+    down, reasons = come_down(boxes, moved), boxes.obstacles()
+    if down.tipped.any():
+        reasons.append(f"it would tip over: it is hit {abs(boxes.height):.3g} m off its centre")
     if reasons:
         raise InfeasibleError(f"the box would not simply slide: {'; '.join(reasons)}")
-    advance = impulse * (1 - boxes.friction * boxes.push_back()) / boxes.mass
-    velocity = advance[:, None] * np.column_stack((np.cos(boxes.yaw), np.sin(boxes.yaw)))
-    return Departure(velocity, -impulse * boxes.lever / boxes.spin_inertia, impulse)
+    return Departure(turned(moved.velocity, boxes.yaw), moved.spin, impulse, down)

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.errors import InputError
-from hitjoints.goals.box_hit import Boxes, hit_boxes
-from hitjoints.goals.sliding import Support, slide_to_rest
-from hitjoints.impact.shown_inertia import shown_mobility
+from hitjoints.goals.box_hit import Boxes
+from hitjoints.goals.box_rest import level_axes, send_boxes
+from hitjoints.goals.sliding import Support
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from hitjoints.types import Array
 
 SAMPLES = 1000
-TOLERANCE = 0.05
-"""m, how far from the goal counts as there."""
 LEVEL = 1e-3
 """Greatest vertical part of a direction that counts as level."""
 POINT_SIZE = (1e-3, 1e-3, 1e-3)
@@ -72,8 +70,9 @@ def landing(  # noqa: PLR0913
     hit: Hit,
     speed: float,
     *,
+    off_centre: float = 0.0,
     height: float = 0.0,
-    tolerance: float = TOLERANCE,
+    tolerance: float | None = None,
     support: Support = "face",
     samples: int = SAMPLES,
     seed: int = 0,
@@ -86,8 +85,9 @@ def landing(  # noqa: PLR0913
         hit: the box: mass, restitution and friction are needed; size and yaw where it may turn;
             spread for what is not known exactly.
         speed: m/s, of the contact along the hit's direction at the impact.
+        off_centre: m, to the left from the line of the hit to the box's centre.
         height: m, of the contact above the box's centre of mass.
-        tolerance: m, around the goal.
+        tolerance: m, around the goal; the hit's.
         support: what carries the box, its "face" or its four "corners".
         samples: how many hits are tried.
         seed: of the spreads.
@@ -103,28 +103,20 @@ def landing(  # noqa: PLR0913
             raise InputError(name, None, "where the object lands depends on it")
     if not (math.isfinite(speed) and speed > 0):
         raise InputError("speed", speed, "the contact moves at more than 0 m/s")
+    tolerance = hit.setting.tolerance if tolerance is None else tolerance
     if not (math.isfinite(tolerance) and tolerance > 0):
         raise InputError("tolerance", tolerance, "it is above 0 m")
     if samples < 2:
         raise InputError("samples", samples, "at least 2")
-    contact = robot.contact(hit.chosen_contact)
-    mobility = shown_mobility(robot, robot.one_configuration(q), contact, hit, hit.setting.drives)
     drawn = _draw(hit, samples, seed)
-    left = np.array([-hit.direction[1], hit.direction[0]])
-    axes = np.column_stack((hit.direction[:2], left))
     # The first row is the hit without any spread.
-    yaw, offset = drawn["yaw"], drawn["offset"]
+    yaw, offset = drawn["yaw"], drawn["offset"] - off_centre
     size = np.array(POINT_SIZE if hit.size is None else hit.size)
     if hit.size is None:
         yaw, offset = np.zeros_like(yaw), np.zeros_like(offset)
-    boxes = Boxes(drawn["mass"], size, yaw, offset, height, drawn["friction"])
-    normal = np.column_stack((np.cos(yaw), np.sin(yaw))) @ axes.T
-    felt = 1 / np.einsum("na,ab,nb->n", normal, mobility[:2, :2], normal)
-    departure = hit_boxes(boxes, felt, speed * drawn["speed"], drawn["restitution"])
-    slide = slide_to_rest(
-        departure.velocity, departure.spin, size, drawn["friction"], yaw=yaw, support=support
-    )
-    places = hit.position[:2] + slide.displacement @ axes.T
+    boxes = Boxes(drawn["mass"], size, yaw, offset, height, drawn["friction"], support)
+    _, slide = send_boxes(robot, q, hit, boxes, speed * drawn["speed"], drawn["restitution"])
+    places = hit.position[:2] + slide.displacement @ level_axes(hit).T
     nominal = np.append(places[0], hit.position[2])
     goal = nominal if hit.goal is None else hit.goal
     tried = places[1:]

@@ -22,8 +22,10 @@ if TYPE_CHECKING:
     from hitjoints.types import Array
 
 Support = Literal["face", "corners"]
-NODES = 8
+GAUSS = 8
 """Gauss points along an edge of the face."""
+NODES = 6
+"""Points along an edge of the face, ends included."""
 STEP = 0.15
 """Share of the present time to rest that one step takes."""
 REST = 1e-3
@@ -68,8 +70,7 @@ def slide_to_rest(
     Raises:
         InputError: a size or a friction is not above 0, or a box would tip over its edge.
     """
-    if support not in ("face", "corners"):
-        raise UnknownNameError("support", support, ("face", "corners"))
+    check_support(support)
     v = np.atleast_2d(np.asarray(velocity, dtype=float))
     count = len(v)
     w, mu, turned = (
@@ -94,6 +95,29 @@ def slide_to_rest(
     return Rest(state[:, 3:5], state[:, 5] - turned, time)
 
 
+def check_support(support: str) -> None:
+    """Refuse a name that is none of `Support`.
+
+    Raises:
+        UnknownNameError: it is not.
+    """
+    if support not in ("face", "corners"):
+        raise UnknownNameError("support", support, ("face", "corners"))
+
+
+def support_nodes(support: Support) -> tuple[Array, Array]:
+    """Return points from -1 to 1, along an edge, that carry a box, and their shares of the load.
+
+    Those of a face are Gauss-Lobatto points: sums over them are integrals, and ends are ends.
+    """
+    if support == "corners":
+        return np.array([-1.0, 1.0]), np.array([0.5, 0.5])
+    legendre = np.polynomial.legendre.Legendre.basis(NODES - 1)
+    inner = np.sort(legendre.deriv().roots().real)
+    nodes = np.concatenate(([-1.0], inner, [1.0]))
+    return nodes, np.asarray(1 / (NODES * (NODES - 1) * legendre(nodes) ** 2))
+
+
 class _Boxes:
     """Boxes of edges (N, 3) m and friction (N,) on their support.
 
@@ -103,9 +127,9 @@ class _Boxes:
 
     def __init__(self, edges: Array, mu: Array, support: Support) -> None:
         if support == "corners":
-            nodes, weights = np.array([-1.0, 1.0]), np.array([0.5, 0.5])
+            nodes, weights = support_nodes(support)
         else:
-            nodes, weights = np.polynomial.legendre.leggauss(NODES)
+            nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
             weights = weights / 2
         grid_x, grid_y = np.meshgrid(nodes, nodes, indexing="ij")
         self._x, self._y = grid_x.ravel(), grid_y.ravel()

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hitjoints.errors import InfeasibleError
-from hitjoints.hitting.controller import MOST_STEPS, Controller
+from hitjoints.hitting.controller import Controller
+from hitjoints.hitting.crossing import crossing
 from hitjoints.hitting.step import Step
+from hitjoints.hitting.step_length import MOST_STEPS
 
 if TYPE_CHECKING:
     from hitjoints.hit import Hit
+    from hitjoints.model.robot import Robot
     from hitjoints.types import Array
 
 MISSED = 0.02
@@ -87,10 +89,9 @@ class Approach:
         """Move until there is an impact or a reason why there is none."""
         control, still = self._control, 0
         hit = control.hit
-        patience = max(1, math.ceil(PATIENCE / control.dt))
+        patience = steps_of_patience(control.dt)
         distance = control.ahead(control.point.position(self.q))
-        steps = (SLOWNESS * distance / hit.desired_flux + GRACE) / control.dt
-        for _ in range(math.ceil(min(steps, MOST_STEPS))):
+        for _ in range(most_steps(distance, hit.desired_flux, control.dt)):
             if not self._advance():
                 return
             here = control.point.position(self.q)
@@ -101,9 +102,9 @@ class Approach:
             moved = float(np.linalg.norm(here - step.position)) / control.dt
             still = still + 1 if moved < STILL * hit.speed(step.inertia) else 0
             if still >= patience:
-                self.reason = f"stalled {control.ahead(here):.3g} m before the object{self._stop()}"
+                self.reason = before_it("stalled", control.ahead(here), control.robot, self.q)
                 return
-        self.reason = f"out of time {control.ahead(here):.3g} m before the object{self._stop()}"
+        self.reason = before_it("out of time", control.ahead(here), control.robot, self.q)
 
     def _advance(self) -> bool:
         control, q = self._control, self.q
@@ -152,11 +153,23 @@ class Approach:
         )
         self.reason = why_no_hit(hit, self.impact)
 
-    def _stop(self) -> str:
-        robot, q = self._control.robot, self.q
-        at = np.flatnonzero((q - robot.lower < AT_LIMIT) | (robot.upper - q < AT_LIMIT))
-        names = ", ".join(f"joint {i + 1} at {q[i]:.4g} rad" for i in at)
-        return f", stopped by position limits ({names})" if names else ""
+
+def steps_of_patience(dt: float) -> int:
+    """Return for how many steps of dt (s) a contact may stand still."""
+    return max(1, math.ceil(PATIENCE / dt))
+
+
+def most_steps(distance: float, flux: float, dt: float) -> int:
+    """Return after how many steps of dt (s) a way (m) for a flux (m/s) is given up."""
+    return math.ceil(min((SLOWNESS * distance / flux + GRACE) / dt, MOST_STEPS))
+
+
+def before_it(how: str, ahead: float, robot: Robot, q: Array) -> str:
+    """Return how a way ends `ahead` (m) before the object, and at which limits q (n,) rad is."""
+    at = np.flatnonzero((q - robot.lower < AT_LIMIT) | (robot.upper - q < AT_LIMIT))
+    names = ", ".join(f"joint {i + 1} at {q[i]:.4g} rad" for i in at)
+    stop = f", stopped by position limits ({names})" if names else ""
+    return f"{how} {ahead:.3g} m before the object{stop}"
 
 
 def why_no_hit(hit: Hit, impact: Impact) -> str:
@@ -180,27 +193,3 @@ def why_no_hit(hit: Hit, impact: Impact) -> str:
             f"{limited}"
         )
     return ""
-
-
-def crossing(ahead: Callable[[float], float], dt: float) -> float:
-    """Return the time in [0, dt] at which ahead(t), positive at 0 and not at dt, vanishes.
-
-    By the Illinois variant of the secant method, to rounding.
-    """
-    early, late = 0.0, dt
-    before, after = ahead(early), ahead(late)
-    side = 0
-    for _ in range(60):
-        if after == 0 or late - early <= 1e-15 * dt:
-            break
-        middle = (early * after - late * before) / (after - before)
-        value = ahead(middle)
-        if value > 0:
-            early, before, after = middle, value, after / 2 if side == 1 else after
-            side = 1
-        else:
-            late, after, before = middle, value, before / 2 if side == -1 else before
-            side = -1
-        if abs(value) < 1e-15:
-            return middle
-    return late

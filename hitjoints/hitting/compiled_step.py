@@ -10,21 +10,20 @@ import numpy as np
 from hitjoints.built import chain_of, refused_by_name
 from hitjoints.errors import KernelMismatchError
 from hitjoints.hitting.step import SLOWED, Step
+from hitjoints.hitting.step_layout import GUESSES, HASTY, StepLayout, flat, no_guess
 from hitjoints.hitting.step_tape import Setting, record_step_of
 from hitjoints.kernels.reference import PinocchioAnswers
 from hitjoints.kernels.tape.backends import choose
 from hitjoints.kernels.verify import samples
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from hitjoints.kernels.tape.scalar import ScalarProgram
     from hitjoints.model.robot import Contact, Robot
     from hitjoints.types import Array
 
 FLOAT = np.dtype(float)
-GUESSES = 24
-"""Guesses of the active bounds that are followed; the right one is mostly the last step's."""
-HASTY = 5
-"""Of these change in all entries at once; the rest, which may have run in a circle, one by one."""
 AGREES = 1e-9
 """Largest deviation from Pinocchio, relative to 1 plus the size."""
 
@@ -43,18 +42,16 @@ class CompiledStep:
     """
 
     def __init__(self, robot: Robot, contact: Contact, setting: Setting) -> None:
-        n = robot.n
+        at = StepLayout(robot.n)
         self._inputs, self._outputs, self._run = program_for(robot, contact).bind()
-        self._q, self._shape = self._inputs[:n], (n,)
-        self._guesses = self._inputs[n : 3 * n + 1]
-        self._next = self._outputs[3 : 2 * n + 4]
-        self._inputs[3 * n + 1 : -1] = _flat(setting)
-        self._status = self._outputs[:3]
-        self._qd = self._outputs[2 * n + 4 : 3 * n + 4]
-        self._position = self._outputs[3 * n + 5 : 3 * n + 8]
-        self._scaling = 3 * n + 4
-        self._numbers = self._outputs[3 * n + 8 : 3 * n + 13]
-        self._begin()
+        self._q, self._shape = self._inputs[at.q], (robot.n,)
+        self._guesses, self._next = self._inputs[at.guesses], self._outputs[at.following]
+        self._inputs[at.setting] = flat(setting)
+        self._status = self._outputs[: at.changed + 1]
+        self._qd, self._position = self._outputs[at.qd], self._outputs[at.position]
+        self._scaling, self._numbers = at.scaling, self._outputs[at.numbers]
+        self._first = no_guess(robot.n)
+        self._guesses[:] = self._first
 
     def __call__(self, q: Any) -> Step | None:
         """Return the step from q (n,) rad, or None: not this way."""
@@ -62,7 +59,7 @@ class CompiledStep:
             return None
         self._q[:] = q
         self._inputs[-1] = 0.0
-        for guess in range(GUESSES):
+        for guess in range(1, GUESSES + 1):
             self._run()
             usable, exact, changed = self._status.tolist()
             if not usable > 0.0:
@@ -85,15 +82,10 @@ class CompiledStep:
                     False,
                 )
             self._guesses[:] = self._next
-            if guess == HASTY:
+            if guess > HASTY:
                 self._inputs[-1] = 1.0
-        self._begin()
+        self._guesses[:] = self._first
         return None
-
-    def _begin(self) -> None:
-        """Guess that no bound is active but s = 1."""
-        self._guesses[:] = 0.0
-        self._guesses[-1] = 1.0
 
 
 def compiles() -> bool:
@@ -115,23 +107,42 @@ def program_for(robot: Robot, contact: Contact) -> ScalarProgram:
     attached = chain.attach(contact.joint, contact.offset)
     with refused_by_name(robot):
         program = ScalarProgram(record_step_of(chain, attached))
-    inputs, outputs, run = program.bind()
-    n, data = robot.n, robot.model.createData()
+    check_step(robot, contact, *program.bind())
+    return program
+
+
+def check_step(
+    robot: Robot, contact: Contact, inputs: Array, outputs: Array, run: Callable[[], object]
+) -> None:
+    """Compare a compiled step's kinematics and inertias with Pinocchio's.
+
+    Args:
+        robot: the arm and what it hits with.
+        contact: the arm and what it hits with.
+        inputs: (I,), filled in here.
+        outputs: (O,), filled in by `run`.
+        run: takes the step.
+
+    Raises:
+        KernelMismatchError: they disagree.
+    """
+    at, data = StepLayout(robot.n), robot.model.createData()
     where = (contact.joint, contact.offset)
     for q, h, mass in zip(*samples(robot.model), strict=True):
         answers = PinocchioAnswers(robot.model, data, q, where, h, float(mass))
         if not answers.moves:
             continue
-        setting = Setting(
-            (0.0, 0.0, 0.0), tuple(h), mass, 0.1, 0.002, 1.0, 0.0, 0.5, 0.5, 0.0, 0.0, tuple(q)
+        inputs[at.q], inputs[at.guesses] = q, no_guess(robot.n)
+        inputs[at.setting] = flat(
+            Setting(
+                (0.0, 0.0, 0.0), tuple(h), mass, 0.1, 0.002, 1.0, 0.0, 0.5, 0.5, 0.0, 0.0, tuple(q)
+            )
         )
-        inputs[:n], inputs[n : 3 * n + 1], inputs[3 * n + 1 : -1] = q, 0.0, _flat(setting)
         run()
-        position, inertia = outputs[3 * n + 5 : 3 * n + 8], outputs[3 * n + 8]
         for name, found, expected in (
-            ("position", position, answers.position),
-            ("inertia", inertia, answers.inertia),
-            ("gradient", outputs[3 * n + 13 :], answers.gradient),
+            ("position", outputs[at.position], answers.position),
+            ("inertia", outputs[at.numbers][0], answers.inertia),
+            ("gradient", outputs[at.gradient], answers.gradient),
         ):
             size = 1.0 + float(np.abs(expected).max()) + answers.inertia
             deviation = float(np.abs(found - expected).max())
@@ -140,9 +151,3 @@ def program_for(robot: Robot, contact: Contact) -> ScalarProgram:
                     f"{name} of a control step at joint {contact.joint}: off by {deviation:.3g} "
                     "from Pinocchio"
                 )
-    return program
-
-
-def _flat(setting: Setting) -> Array:
-    target, direction, *rest, posture = setting
-    return np.array([*target, *direction, *rest, *posture], dtype=float)

@@ -47,7 +47,10 @@ class Candidate:
         offset: (3,) m, of the contact in the joint's frame.
         links_inertia: kg, that of the links alone, where `inertia` is what elastic joints show at
             the best configuration of the links; else None.
-        evidence: samples, admissible, local_optima, restarts, spread, agreeing, local, certificate.
+        arrives: share of the objects that rest within the tolerance of the goal, where the plan
+            was made by that.
+        evidence: samples, admissible, local_optima, restarts, spread, agreeing, local,
+            certificate.
     """
 
     joint: int
@@ -67,6 +70,7 @@ class Candidate:
     clearance: dict[str, Any] | None = None
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
     links_inertia: float | None = None
+    arrives: float | None = None
     evidence: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def as_dict(self) -> dict[str, Any]:
@@ -99,6 +103,7 @@ class Refusal:
     away_gap: ClassVar[None] = None
     clearance: ClassVar[None] = None
     links_inertia: ClassVar[None] = None
+    arrives: ClassVar[None] = None
 
     joint: int
     feasible: Literal[False] = field(default=False, init=False)

@@ -45,6 +45,7 @@ class CandidateTable(Table):
     away_gap: float | None
     clearance: dict[str, Any] | None
     links_inertia: float | None
+    arrives: float | None
     evidence: dict[str, Any]
 
 

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hitjoints.datasets.describe import origin
-from hitjoints.errors import InputError
+from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.first_argument import by_first_argument
-from hitjoints.hit import Hit, check_flux
+from hitjoints.goals.landing import landing
+from hitjoints.hit import Hit
+from hitjoints.hit_checks import check_flux
 from hitjoints.hit_setting import HitSetting, RobotChoice
 from hitjoints.hitting.drive_limits import drive_limits
 from hitjoints.impact.collision import required_speed
 from hitjoints.impact.drives import RIGID, Drives
-from hitjoints.loading.catalogue import robot_names
+from hitjoints.model.robot import Contact
 from hitjoints.planning.candidates import Candidate, Verdict
+from hitjoints.planning.earlier_plan import planned_at
 from hitjoints.planning.joint_plan import plan_joint
 from hitjoints.planning.objectives.registry import objective_named
 from hitjoints.planning.plan_record import Plan
@@ -32,7 +36,7 @@ from hitjoints.vectors import points, positive_mass, unit
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from hitjoints.model.robot import Contact, Robot
+    from hitjoints.model.robot import Robot
     from hitjoints.types import Array
 
 
@@ -56,6 +60,7 @@ def plan(  # noqa: PLR0913
     deliverable: bool = False,
     drives: Drives = RIGID,
     near: Plan | None = None,
+    arrives: Callable[[Candidate], float] | None = None,
 ) -> Plan:
     """Choose the joint and the configuration for a hit.
 
@@ -67,8 +72,9 @@ def plan(  # noqa: PLR0913
         joints: hitting joints (or contacts); the robot's own when not given.
         objective: "inertia" (Eq. 14), "flux" (Eq. 10 with the speed of Eq. 9), "straight-flux"
             (the same for motion exactly along the direction), "deliverable" (the same for a motion
-            that comes from rest and stops within the arm's limits), or "rebound" (the least Eq. 11
-            among the configurations that can reach `flux`: the greatest inertia among them).
+            that comes from rest and stops within the arm's limits), "rebound" (the least Eq. 11
+            among the configurations that can reach `flux`: the greatest inertia among them), or
+            "landing" (the greatest share of objects that arrive at a hit's goal).
         flux: m/s that the hit must be able to reach (Eq. 10); "rebound" needs one.
         deliverable: `flux` has to be deliverable in the sense above; the arm's acceleration limits
             have to be known.
@@ -85,6 +91,7 @@ def plan(  # noqa: PLR0913
         drives: model of the arm's drives: the inertia, and what follows from it, is then what the
             arm shows in a hit. "rotor" is planned for exactly, "composite" without a certificate;
             by "elastic" each joint's best configuration of the links alone is ranked again.
+        arrives: returns the share of objects that arrive, for "landing".
         torque_limits: the start is one from rest, with the way that the motors need; and for every
             joint find what torque limits cost.
         near: a plan of the same arm for a hit that was little different: in milliseconds each of
@@ -102,6 +109,8 @@ def plan(  # noqa: PLR0913
     digest, robot = robot.digest, drives.arm(robot)
     if wanted.needs_flux and flux is None:
         raise InputError("flux", flux, f"{objective} needs the flux to be reached (m/s)")
+    if wanted.needs_goal and arrives is None:
+        raise InputError("objective", objective, "a hit with a goal is needed (`hj.Hit`)")
     if flux is not None:
         check_flux(flux)
     mass = positive_mass(mass)
@@ -123,12 +132,14 @@ def plan(  # noqa: PLR0913
         hinted = None if hints is None else hints.get(task.contact.joint)
         hinted = None if hinted is None else np.atleast_2d(robot.configuration(hinted, "hints"))
         demands = _demands(task, accept, surroundings)
-        known = None if near is None else _planned(near, task, digest)
+        known = None if near is None else planned_at(near, task, digest)
         one = plan_joint(task, replace(request, accept=demands, hints=hinted, near=known))
         if one.q is not None and surroundings is not None:
             one = replace(one, clearance=surroundings.report(robot, one.q, task.contact, h))
         if one.feasible and drives.model == "elastic":
             one = ranked_again(task, one)
+        if one.feasible and arrives is not None:
+            one = replace(one, arrives=arrives(replace(one, offset=task.contact.offset)))
         found.append(replace(one, offset=task.contact.offset))
     best, candidates = _compare(found, wanted.ranked_by)
     begin = None
@@ -167,11 +178,11 @@ def plan(  # noqa: PLR0913
 
 def _setting(robot: Robot, contacts: Sequence[Contact] | None, around: Surroundings) -> HitSetting:
     """Return what a hit keeps of the arm, of several contacts, and of the surroundings."""
-    offsets = {contact.offset for contact in contacts or ()}
+    offsets = tuple(contact.offset for contact in contacts or ())
     return HitSetting(
-        RobotChoice(robot.name) if robot.name in robot_names() else None,
+        None if robot.asked is None else RobotChoice(**robot.asked),
         None if contacts is None else tuple(contact.joint for contact in contacts),
-        next(iter(offsets)) if len(offsets) == 1 else None,
+        offsets[0] if len(set(offsets)) == 1 else offsets or None,
         around.object_size,
         around.table_height,
         around.margin,
@@ -191,13 +202,13 @@ def plan_hit(
         near: as `plan`.
     """
     setting = hit.setting
-    if robot is None:
-        if setting.robot is None:
-            raise InputError("robot", None, "the hit does not say with which arm")
-        robot = setting.robot.load()
+    robot = setting.arm(robot)
     asked, drives = setting.deliverable, setting.drives
     if hit.restitution is not None:
         drives = replace(drives, restitution=hit.restitution)
+    needs_goal = objective_named(setting.objective).needs_goal
+    if needs_goal and hit.goal is None:
+        raise InputError("objective", setting.objective, "it needs a goal")
     planned: Plan = plan(
         robot,
         hit.position,
@@ -215,21 +226,19 @@ def plan_hit(
         torque_limits=setting.torque_limits,
         deliverable=robot.acceleration is not None if asked is None else asked,
         drives=drives,
+        arrives=partial(_arriving, robot, hit) if needs_goal else None,
     )
-    return replace(planned, hit=hit)
+    return replace(planned, hit=hit.made_by(robot))
 
 
-def _planned(previous: Plan, task: Task, digest: str) -> Array | None:
-    """Return where a plan has a joint, (1, n) rad; None if it has none for it.
-
-    Raises:
-        InputError: it is no plan of this arm.
-    """
-    if not isinstance(previous, Plan) or previous.digest != digest:
-        of = f"a plan for {previous.robot}" if isinstance(previous, Plan) else previous
-        raise InputError("near", of, f"a plan for this {task.robot.name}")
-    places = [one.q for one in previous.candidates if one.feasible and _is_of(task, one)]
-    return np.atleast_2d(places[0]) if places else None
+def _arriving(robot: Robot, hit: Hit, one: Candidate) -> float:
+    """Return the share of objects that arrive when a candidate hits as hard as it should."""
+    chosen = hit.with_contact(Contact(one.joint, one.offset))
+    speed = required_speed(one.inertia, hit.mass, hit.desired_flux)
+    try:
+        return landing(robot, one.q, chosen, speed, seed=hit.setting.seed).within
+    except InfeasibleError:  # none of them simply slides
+        return 0.0
 
 
 def _demands(

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from hitjoints.datasets.describe import origin
+from hitjoints.plotted import Plotted
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -47,7 +48,7 @@ VARIABLES = {
 
 
 @dataclass(frozen=True, eq=False)
-class Rollout:
+class Rollout(Plotted):
     """A hit from its start to its end.
 
     Attributes:
@@ -64,6 +65,8 @@ class Rollout:
         step_times: (steps,) s, wall time of every control step.
         parameters: of the controller, kept in the data set.
     """
+
+    drawn_by: ClassVar[str] = "rollout"
 
     robot: Robot
     hit: Hit
@@ -105,9 +108,11 @@ class Rollout:
     def acceleration_ratio_max(self) -> float:
         """Greatest change of a velocity from step to step, in units of the acceleration limit.
 
-        The first is that from rest; nan if the robot does not tell its limits.
+        The first is that from rest. The limits are those that were kept, else the robot's; nan if
+        it does not tell them.
         """
-        most = self.robot.acceleration
+        kept = self.parameters.get("acceleration_limits")
+        most = np.array(kept) if kept else self.robot.acceleration
         if most is None:
             return math.nan
         steps = np.diff(self.rows["qd"], axis=0, prepend=0.0)
@@ -116,16 +121,11 @@ class Rollout:
     @property
     def why(self) -> str:
         """What keeps a controller of the real arm from following it; empty when it is sendable."""
-        told = {
-            f"accelerations are up to {self.acceleration_ratio_max:.3g} times their limits": (
-                self.acceleration_ratio_max > 1
-            ),
-            f"torques are up to {self.torque_ratio_max:.3g} times their limits": (
-                self.torque_ratio_max > 1
-            ),
-            "it does not end at rest": bool(np.abs(self.rows["qd"][-1]).max() > AT_REST),
-        }
-        return "; ".join(words for words, broken in told.items() if broken)
+        return why_not_sendable(
+            self.acceleration_ratio_max,
+            self.torque_ratio_max,
+            float(np.abs(self.rows["qd"][-1]).max()),
+        )
 
     @property
     def sendable(self) -> bool:
@@ -190,6 +190,22 @@ class Rollout:
             "q0": self.rows["q"][0].tolist(),
             "q_hit": self.q_hit.tolist(),
         }
+
+
+def why_not_sendable(acceleration: float, torque: float, last: float) -> str:
+    """Return what keeps a controller of the real arm from following a motion.
+
+    Args:
+        acceleration: greatest in units of the limits, nan if these are not known.
+        torque: greatest in units of the limits, nan if these are not known.
+        last: rad/s, the greatest velocity at its end.
+    """
+    told = {
+        f"accelerations are up to {acceleration:.3g} times their limits": acceleration > 1,
+        f"torques are up to {torque:.3g} times their limits": torque > 1,
+        "it does not end at rest": last > AT_REST,
+    }
+    return "; ".join(words for words, broken in told.items() if broken)
 
 
 def flattened(dataset: Dataset) -> Dataset:

@@ -9,7 +9,7 @@ from hitjoints.hit_setting import HitSetting, RobotChoice
 
 @pytest.fixture(scope="module")
 def hit():
-    setting = HitSetting(RobotChoice("iiwa14"), joints=(6, 7), table_height=0.1, margin=0.005)
+    setting = HitSetting(RobotChoice("iiwa14"), joints=(7,), table_height=0.1, margin=0.005)
     return hj.Hit(None, (0.5, 0.2, 0.4), (0, 1, 0), 1.0, 0.15, setting=setting)
 
 

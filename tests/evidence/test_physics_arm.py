@@ -9,7 +9,8 @@ import pytest
 
 from hitjoints.errors import MissingExtraError, ModelError
 from hitjoints.evidence.physics.engine_arm import arm_spec, link_name
-from hitjoints.evidence.physics.engine_scene import ImpactState, build_scene
+from hitjoints.evidence.physics.engine_scene import build_scene
+from hitjoints.evidence.physics.first_touch import ImpactState
 from hitjoints.evidence.physics.setting import EngineSetting
 from hitjoints.loading.load import load_robot
 from hitjoints.model.robot import Contact

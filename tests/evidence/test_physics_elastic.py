@@ -7,7 +7,8 @@ import pytest
 
 import hitjoints as hj
 from hitjoints.dynamics.kinematics import jacobian, position
-from hitjoints.evidence.physics.engine_scene import ImpactState, build_scene
+from hitjoints.evidence.physics.engine_scene import build_scene
+from hitjoints.evidence.physics.first_touch import ImpactState
 from hitjoints.evidence.physics.setting import EngineSetting
 from hitjoints.evidence.physics.strike import strike
 

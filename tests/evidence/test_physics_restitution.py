@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from hitjoints.errors import InputError
-from hitjoints.evidence.physics.engine_scene import SOFT, solimp
+from hitjoints.evidence.physics.engine_box import SOFT, solimp
 from hitjoints.impact.restitution import (
     LEAST,
     contact_spring,

@@ -9,7 +9,8 @@ import pytest
 
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InputError, SolverError
-from hitjoints.evidence.physics.engine_scene import ImpactState, build_scene
+from hitjoints.evidence.physics.engine_scene import build_scene
+from hitjoints.evidence.physics.first_touch import ImpactState
 from hitjoints.evidence.physics.setting import EngineSetting, setting
 from hitjoints.evidence.physics.simulation import simulate
 from hitjoints.evidence.physics.slide import slide
@@ -41,7 +42,9 @@ def rigid(robot, impact, restitution):
     """Return the speeds of arm and object after an impact of Pinocchio: arm and a sliding body."""
     model, h, n = robot.model.copy(), impact.direction, robot.n
     body = model.addJoint(0, pin.JointModelPrismaticUnaligned(h), pin.SE3.Identity(), "object")
-    model.appendBodyToJoint(body, pin.Inertia(impact.mass, np.zeros(3), np.eye(3)), pin.SE3())
+    model.appendBodyToJoint(
+        body, pin.Inertia(impact.mass, np.zeros(3), np.eye(3)), pin.SE3.Identity()
+    )
     q, before = np.append(impact.q, 0.0), np.append(impact.qd, 0.0)
     g = np.append(h @ jacobian(robot, impact.q, impact.contact), -1.0)
     after = pin.impulseDynamics(model, model.createData(), q, before, g[None], restitution, 0.0)

@@ -26,16 +26,19 @@ def broken_limits(result: Rollout) -> int:
     A position that was clipped counts too: the velocity before would have led beyond.
     """
     robot, q, qd = result.robot, result.rows["q"], result.rows["qd"]
+    kept = result.parameters.get("acceleration_limits")
+    change = np.abs(np.diff(qd, axis=0, prepend=0.0))
+    too_hard = change > result.dt * np.array(kept) if kept else np.zeros(1)
     forced = result.parameters["torque_limits"]
     too_strong = np.abs(result.rows["torque"]) > robot.effort if forced else np.zeros(1)
     beyond = (q < robot.lower) | (q > robot.upper)
     too_fast = (qd < robot.velocity_lower) | (qd > robot.velocity_upper)
     clipped = np.abs(q[1:] - q[:-1] - result.dt * qd[:-1]) > 1e-12
-    return int(beyond.sum() + too_fast.sum() + too_strong.sum() + clipped.sum())
+    return int(beyond.sum() + too_fast.sum() + too_strong.sum() + too_hard.sum() + clipped.sum())
 
 
-def random_rollouts(count: int, seed: int = 0, *, torque_limits: bool = False) -> Iterator[Rollout]:
-    """Yield rollouts of three arms from random starts, half of them with joints at a limit."""
+def random_cases(count: int, seed: int = 0) -> Iterator[tuple[Robot, Hit, Any, Any, Any]]:
+    """Yield arm, hit, start, hitting configuration and reference, half from starts at a limit."""
     rng = np.random.default_rng(seed)
     robots = [hj.load_robot(name) for name in ("iiwa14", "iiwa7", "panda")]
     for i in range(count):
@@ -52,10 +55,16 @@ def random_rollouts(count: int, seed: int = 0, *, torque_limits: bool = False) -
             direction = way
         flux = float(rng.uniform(0.05, 1.0))
         hit = Hit(joint, target, direction, float(rng.uniform(0.3, 5.0)), flux)
-        reference: Any = ("optimised", "constant")[i % 2]
-        yield rollout(
-            robot, hit, q0=q0, q_hit=goal, reference=reference, torque_limits=torque_limits
-        )
+        yield robot, hit, q0, goal, ("optimised", "constant")[i % 2]
+
+
+def random_rollouts(count: int, seed: int = 0, **kept: bool) -> Iterator[Rollout]:
+    """Yield rollouts of three arms from random starts, half of them with joints at a limit.
+
+    `kept` are torque_limits and acceleration_limits, of `rollout`.
+    """
+    for robot, hit, q0, goal, reference in random_cases(count, seed):
+        yield rollout(robot, hit, q0=q0, q_hit=goal, reference=reference, **kept)
 
 
 def feasible_hits(
@@ -65,10 +74,12 @@ def feasible_hits(
     refused: Counter[str] | None = None,
     *,
     away: bool = True,
+    level: bool = False,
 ) -> Iterator[tuple[Hit, Preparation]]:
     """Yield random hits that a plan reaches with a run-up; `refused` counts the others.
 
     Without `away` the links beyond the joint may point anywhere: the panda has no other hits.
+    With `level` all directions are horizontal.
     """
     rng = np.random.default_rng(seed)
     refused = Counter() if refused is None else refused
@@ -80,6 +91,8 @@ def feasible_hits(
         target = hj.position(robot, rng.uniform(robot.lower, robot.upper), joint)
         direction, mass = rng.standard_normal(3), float(rng.uniform(0.5, 4.0))
         share = float(rng.uniform(0.3, 0.8))
+        if level:
+            direction[2] = 0.0
         best = plan(
             robot,
             target,

@@ -17,7 +17,7 @@ def test_a_wish_that_moves_is_followed(arm, objective):
     followed = hj.plan(robot, AT, H, MASS, **options)
     assert not followed.best.evidence["local"]
     for step in range(1, 5):
-        at = AT + [0.0, 0.004 * step, -0.002 * step]
+        at = AT + step * np.array([0.0, 0.004, -0.002])
         followed = hj.plan(robot, at, H, MASS, **options, near=followed)
         whole = hj.plan(robot, at, H, MASS, **options)
         values = [getattr(plan.best, QUANTITY[objective]) for plan in (followed, whole)]

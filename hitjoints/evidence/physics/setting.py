@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from hitjoints.errors import InputError, UnknownNameError
+from hitjoints.goals.box_hit import lever
+from hitjoints.goals.sliding import check_support
 from hitjoints.impact.restitution import check_restitution
+
+if TYPE_CHECKING:
+    from hitjoints.goals.sliding import Support
 
 Mode = Literal["ideal", "realistic"]
 SHORTEST_CONTACT, LONGEST_CONTACT = 1e-6, 0.05
@@ -22,6 +27,8 @@ STEPS = 200
 """steps in each contact at least."""
 SMALLEST, LARGEST = 1e-3, 10.0
 """m, edges of a box that the engine can follow."""
+STEEPEST_YAW = math.pi / 4
+"""rad, of a box; turned further, a corner comes first."""
 SHORT = 1e-4
 """s, a contact that is an impact."""
 
@@ -32,12 +39,15 @@ class EngineSetting:
 
     Attributes:
         restitution: eps, from 0 to 1.
-        size: (3,) m, of the box: along the hitting direction, sideways, up.
+        size: (3,) m, of the box: along the normal of the face that is hit, sideways, up.
         friction: coefficient between box and table.
         contact_time: s, how long arm and box touch.
         servo_gain: N m s/rad (N s/m), of every joint's velocity servo; 0 leaves the arm free.
         contact_friction: coefficient between arm and box.
-        off_centre: m, sideways from the point that is hit to the box's centre.
+        off_centre: m, to the left from the line of the hit to the box's centre.
+        yaw: rad, by which the box is turned to the left, against the hitting direction.
+        height: m, of the point that is hit above the box's centre.
+        support: what carries the box, its "face" or its four "corners".
         on_table: the table acts on the box during the contact already.
         stiffness: (n,) N m/rad, of springs between motors and links; empty: joints without motors.
         rotors: (n,) kg m^2, of those motors, reflected through the gears.
@@ -53,6 +63,9 @@ class EngineSetting:
     servo_gain: float = 0.0
     contact_friction: float = 0.0
     off_centre: float = 0.0
+    yaw: float = 0.0
+    height: float = 0.0
+    support: Support = "face"
     on_table: bool = False
     stiffness: tuple[float, ...] = ()
     rotors: tuple[float, ...] = ()
@@ -70,10 +83,31 @@ class EngineSetting:
         if not SHORTEST_CONTACT <= self.contact_time <= LONGEST_CONTACT:
             expected = f"a contact lasts {SHORTEST_CONTACT:g} s to {LONGEST_CONTACT:g} s"
             raise InputError("contact_time", self.contact_time, expected)
-        half = self.size[1] / 2
-        if not abs(self.off_centre) < half:
+        self._check_place()
+
+    def _check_place(self) -> None:
+        """Refuse places that the arm cannot hit.
+
+        Raises:
+            InputError: the arm would miss the box's face.
+        """
+        check_support(self.support)
+        if not abs(self.yaw) <= STEEPEST_YAW:
+            expected = f"within {STEEPEST_YAW:g} rad, or another face is hit"
+            raise InputError("yaw", self.yaw, expected)
+        aside = abs(float(lever(-self.off_centre, self.yaw, self.size[0])))
+        if not aside < (half := self.size[1] / 2):
+            expected = f"within {half:g} m of the face's middle, or the arm misses the box"
+            name = "off_centre" if self.off_centre else "yaw"
+            raise InputError(name, getattr(self, name), expected)
+        if not abs(self.height) < (half := self.size[2] / 2):
             expected = f"it is within {half:g} m, or the arm misses the box"
-            raise InputError("off_centre", self.off_centre, expected)
+            raise InputError("height", self.height, expected)
+
+    @property
+    def stands(self) -> bool:
+        """The table is there during the contact: a box that is hit high or low leans on it."""
+        return self.on_table or self.height != 0
 
     @property
     def timestep(self) -> float:
@@ -82,7 +116,9 @@ class EngineSetting:
 
     def causes(self) -> list[tuple[str, float, EngineSetting, EngineSetting]]:
         """Return what is not ideal: its name, its value, and settings with it alone and without."""
-        ideal = EngineSetting(self.restitution, self.size, self.friction, rotors=self.rotors)
+        ideal = EngineSetting(
+            self.restitution, self.size, self.friction, support=self.support, rotors=self.rotors
+        )
         found = []
         for cause, name in CAUSES.items():
             value, usual = getattr(self, name), getattr(ideal, name)
@@ -97,6 +133,8 @@ CAUSES = {
     "contact time": "contact_time",
     "contact friction": "contact_friction",
     "off-centre": "off_centre",
+    "turned box": "yaw",
+    "height": "height",
     "table": "on_table",
     "elastic joints": "stiffness",
 }
@@ -114,7 +152,7 @@ MODES: dict[Mode, dict[str, float | bool]] = {
 """What each mode sets, where nothing else is asked for."""
 
 
-def setting(mode: Mode, **asked: float | tuple[float, ...] | None) -> EngineSetting:
+def setting(mode: Mode, **asked: float | str | tuple[float, ...] | None) -> EngineSetting:
     """Return the setting of a mode with what is asked for instead; None asks for nothing.
 
     Raises:

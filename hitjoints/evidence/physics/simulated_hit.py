@@ -4,15 +4,22 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from hitjoints.evidence.physics.slide import turned
+from hitjoints.goals.box_rest import rest_at
+from hitjoints.plotted import Plotted
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from hitjoints.evidence.physics.engine_scene import ImpactState
+    from hitjoints.evidence.physics.first_touch import ImpactState
     from hitjoints.evidence.physics.setting import EngineSetting, Mode
     from hitjoints.evidence.physics.slide import Slide
     from hitjoints.evidence.physics.strike import Strike
+    from hitjoints.goals.box_rest import BoxRest
     from hitjoints.impact.elastic import ElasticImpact
     from hitjoints.rollouts.record import Rollout
 
@@ -65,7 +72,7 @@ class Cause:
 
 
 @dataclass(frozen=True, eq=False)
-class Simulation:
+class Simulation(Plotted):
     """A planned hit, predicted and simulated.
 
     Attributes:
@@ -78,7 +85,11 @@ class Simulation:
         slide: until the box rests; None where it does not slide on a table with friction.
         causes: of the difference, those that are in the setting.
         elastic: what elastic joints make of it in closed form; None where joints are rigid.
+        predicted_rest: where the box should come to rest; None where it does not simply slide.
+        unpredicted: why it does not.
     """
+
+    drawn_by: ClassVar[str] = "simulation"
 
     motion: Rollout
     mode: Mode
@@ -89,6 +100,23 @@ class Simulation:
     slide: Slide | None
     causes: tuple[Cause, ...] = field(repr=False)
     elastic: ElasticImpact | None = None
+    predicted_rest: BoxRest | None = None
+    unpredicted: str = ""
+
+    @cached_property
+    def rest(self) -> BoxRest | None:
+        """Where the box came to rest in the engine; None where it does not slide on a table."""
+        if self.slide is None:
+            return None
+        way = self.slide.rows["slide_position"][-1] - self.impact.box_centre(self.setting)
+        return rest_at(
+            self.motion.hit,
+            way[:2],
+            yaw=turned(self.strike.rows["box_quaternion"]) + self.slide.turned,
+            speed=float(np.hypot(*self.strike.velocity[:2])),
+            spin=self.strike.spin,
+            tipped=self.slide.tipped,
+        )
 
     @property
     def travel(self) -> float | None:
@@ -145,6 +173,7 @@ class Simulation:
             unit, words, dimensions = VARIABLES[name]
             along[name] = (dimensions, values, {"units": unit, "long_name": words})
         attributes = origin(self.motion.robot) | {"mode": self.mode, "mass": self.impact.mass}
+        attributes["hit"] = self.motion.parameters["hit"]
         attributes |= {name: _plain(value) for name, value in asdict(self.setting).items()}
         for kind, said in (("predicted", asdict(self.predicted)), ("simulated", self.simulated)):
             attributes |= {f"{kind}_{k}": v for k, v in said.items() if v is not None}
@@ -154,6 +183,7 @@ class Simulation:
         """Return the result as JSON knows it."""
         at = self.motion.impact
         assert at is not None
+        told, rest = self.predicted_rest, self.rest
         return {
             "hit": True,
             "reason": "",
@@ -165,6 +195,12 @@ class Simulation:
             "errors": self.errors,
             "elastic": None if self.elastic is None else self.elastic.as_dict(),
             "elastic_errors": self.elastic_errors,
+            "rest": {
+                "predicted": told and told.as_dict(),
+                "reason": self.unpredicted,
+                "simulated": rest and rest.as_dict(),
+                "miss": rest.miss(told) if rest and told else None,
+            },
             "shares": [
                 {
                     "cause": cause.name,

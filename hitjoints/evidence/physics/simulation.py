@@ -9,17 +9,20 @@ import numpy as np
 
 from hitjoints.constants import GRAVITY
 from hitjoints.errors import InfeasibleError, InputError
-from hitjoints.evidence.physics.engine_scene import ImpactState, is_level
+from hitjoints.evidence.physics.engine_drives import engine_drives, with_rotors_of
+from hitjoints.evidence.physics.first_touch import ImpactState, is_level
 from hitjoints.evidence.physics.setting import EngineSetting, Mode, setting
 from hitjoints.evidence.physics.simulated_hit import Cause, Prediction, Simulation
 from hitjoints.evidence.physics.slide import LONGEST, slide
 from hitjoints.evidence.physics.strike import strike
 from hitjoints.first_argument import by_first_argument
+from hitjoints.goals.box_rest import BoxRest, predict_rest
+from hitjoints.hit import Hit
 from hitjoints.impact.collision import object_speed, rebound
 from hitjoints.impact.elastic import ElasticImpact, elastic_impact
-from hitjoints.impact.rotor import known_rotors, known_stiffness
 from hitjoints.model.engine import engine
 from hitjoints.planning.plan_record import Plan
+from hitjoints.planning.planner import plan_hit
 from hitjoints.rollouts.follow import rollout
 from hitjoints.swings.as_rollout import as_rollout
 from hitjoints.swings.swing_record import Swing
@@ -27,13 +30,10 @@ from hitjoints.swings.swing_record import Swing
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from hitjoints.hit import Hit
+    from hitjoints.goals.sliding import Support
     from hitjoints.model.robot import Robot
     from hitjoints.rollouts.record import Rollout
     from hitjoints.types import Array
-
-ELASTIC_CONTACT = 0.01
-"""s, of a hit on elastic joints: in a shorter one they take no part."""
 
 
 @by_first_argument
@@ -41,15 +41,18 @@ def simulate(  # noqa: PLR0913
     robot: Robot | Swing,
     hit: Hit | None = None,
     *,
-    restitution: float = 0.5,
+    restitution: float | None = None,
     mode: Mode = "ideal",
-    size: tuple[float, float, float] = (0.1, 0.1, 0.1),
-    friction: float = 0.3,
+    size: ArrayLike | None = None,
+    yaw: float | None = None,
+    friction: float | None = None,
+    support: Support | None = None,
     contact_time: float | None = None,
     servo_gain: float | None = None,
     contact_friction: float | None = None,
     off_centre: float | None = None,
-    elastic: bool = False,
+    height: float | None = None,
+    elastic: bool | None = None,
     stiffness: ArrayLike | None = None,
     rotor_inertia: ArrayLike | None = None,
     q0: ArrayLike | None = None,
@@ -67,18 +70,24 @@ def simulate(  # noqa: PLR0913
     Args:
         robot: the arm, or a swing, which is followed as it is.
         hit: what is asked, and rolled out; a swing has its own.
-        restitution: eps, from 0 to 1.
+        restitution: eps, from 0 to 1; the hit's, or 0.5.
         mode: "ideal": the arm is free but for gravity compensation, the contact is short, central
             and without friction; "realistic": none of that, and each cause on its own as well.
-        size: (3,) m, of the box: along the hitting direction, sideways, up.
-        friction: coefficient between box and table; 0 leaves the travel out.
+        size: (3,) m, of the box: along the face's normal, sideways, up; the hit's, or 0.1 each.
+        yaw: rad, by which the box is turned to the left; the hit's.
+        friction: coefficient between box and table; 0 leaves the travel out; the hit's, or 0.3.
+        support: what carries the box: its "face", the default, or its four "corners".
         contact_time: s; 0.0001, or 0.01 when realistic.
         servo_gain: N m s/rad, of every joint's velocity servo, which follows the rollout; 0, or 50
             when realistic.
         contact_friction: coefficient between arm and box; 0, or 0.3 when realistic.
-        off_centre: m, from the contact sideways to the box's centre; 0, or 0.02 when realistic.
+        off_centre: m, from the line of the hit to the left to the box's centre; 0, or 0.02 when
+            realistic.
+        height: m, of the contact above the box's centre; 0.
         elastic: put every joint's motor behind a spring, and predict that in closed form as well;
-            a contact then lasts 0.01 s when nothing else is asked for.
+            a contact then lasts 0.01 s when nothing else is asked for. None: if that is the model
+            of the drives that the hit reckons with. By "rotor" the links carry the rotors; the
+            engine has nothing for "composite", and takes the links alone.
         stiffness: of elastic joints; see `elastic_impact`.
         rotor_inertia: of elastic joints; see `elastic_impact`.
         q0: see `rollout`.
@@ -88,7 +97,8 @@ def simulate(  # noqa: PLR0913
         seed: see `rollout`.
 
     Returns:
-        The result, with `predicted`, `simulated`, `errors`, `causes` and `dataset`.
+        The result, with `predicted`, `simulated`, `errors`, `causes` and `dataset`; where the box
+        ends in `rest`, and where it should in `predicted_rest`.
 
     Raises:
         InputError: an argument cannot be used, or a realistic hit is not level.
@@ -98,28 +108,20 @@ def simulate(  # noqa: PLR0913
     engine()
     starts: dict[str, Any] = {"q0": q0, "start": start, "q_hit": q_hit}
     arm, hit = _asked(robot, hit, starts)
-    if elastic:
-        rotors = tuple(known_rotors(arm, rotor_inertia).tolist())
-        springs = tuple(known_stiffness(arm, stiffness).tolist())
-        contact_time = ELASTIC_CONTACT if contact_time is None else contact_time
-    elif stiffness is not None or rotor_inertia is not None:
-        name = "rotor_inertia" if stiffness is None else "stiffness"
-        raise InputError(name, "given", "it belongs to elastic joints: ask for them too")
-    else:
-        rotors = springs = ()
+    motors = engine_drives(arm, hit, elastic, stiffness, rotor_inertia, contact_time)
     how = setting(
         mode,
-        stiffness=springs,
-        rotors=rotors,
-        restitution=restitution,
-        size=size,
-        friction=friction,
-        contact_time=contact_time,
+        stiffness=motors.stiffness,
+        rotors=motors.rotors,
+        contact_time=motors.contact_time,
+        **_box_of(hit, restitution=restitution, size=size, yaw=yaw, friction=friction),
+        support=support,
         servo_gain=servo_gain,
         contact_friction=contact_friction,
         off_centre=off_centre,
+        height=height,
     )
-    if how.on_table and not is_level(hit.direction):
+    if how.stands and not is_level(hit.direction):
         raise InputError(
             "direction", hit.direction.tolist(), "a box on a level table is hit horizontally"
         )
@@ -129,16 +131,20 @@ def simulate(  # noqa: PLR0913
         motion = rollout(arm, hit, **starts, torque_limits=torque_limits, seed=seed)
     if motion.reason or motion.impact is None:
         raise InfeasibleError(f"the rollout is no hit: {motion.reason}", {"hit": False})
+    if not motors.rotors:
+        motion = with_rotors_of(hit, motion)
+        arm = motion.robot
     impact = impact_of(motion)
     predicted = predict(motion, how)
     if predicted.travel is not None and 2 * predicted.travel > LONGEST * predicted.object_speed:
         expected = f"the box would slide for more than {LONGEST:g} s; 0 leaves the travel out"
-        raise InputError("friction", friction, expected)
+        raise InputError("friction", how.friction, expected)
     servos = ServoReference(motion)
     # Servos may push the box again, which they could not while nothing slows it down.
     pushes = how.on_table and how.servo_gain > 0
     result = strike(arm, impact, how, servos, servos.rest if pushes else 0.0)
     slid = None if predicted.travel is None else slide(impact, how, *result.box)
+    told_rest, why = predict_box(motion, impact, how, predicted)
     causes = tuple(
         Cause(
             name,
@@ -148,8 +154,18 @@ def simulate(  # noqa: PLR0913
         )
         for name, value, alone, without in how.causes()
     )
-    told = predict_elastic(motion, impact, how) if elastic else None
-    return Simulation(motion, mode, how, impact, predicted, result, slid, causes, told)
+    told = predict_elastic(motion, impact, how) if motors.rotors else None
+    return Simulation(
+        motion, mode, how, impact, predicted, result, slid, causes, told, told_rest, why
+    )
+
+
+def _box_of(hit: Hit, **asked: ArrayLike | None) -> dict[str, Any]:
+    """Return what is known of the box, by name: as asked for, or as the hit has it."""
+    box = {name: getattr(hit, name) if value is None else value for name, value in asked.items()}
+    if box["size"] is not None:
+        box["size"] = tuple(np.asarray(box["size"], dtype=float).tolist())
+    return box
 
 
 def _asked(robot: Robot | Swing, hit: Hit | None, starts: Mapping[str, Any]) -> tuple[Robot, Hit]:
@@ -192,9 +208,23 @@ def _simulate_plan(plan: Plan, robot: Robot | None = None, **options: Any) -> Si
     """
     arm, hit, told = plan.carried_out(robot)
     told["torque_limits"] = plan.hit.setting.torque_limits
-    known = {"restitution": hit.restitution, "friction": hit.friction, "size": hit.size}
-    told |= {name: value for name, value in known.items() if value is not None}
     return simulate(arm, hit, **(told | options))
+
+
+@simulate.register(Hit)
+def _simulate_hit(hit: Hit, robot: Robot | None = None, **options: Any) -> Simulation:
+    """Make a hit as it says itself; one that does not say where the arm strikes is planned first.
+
+    Args:
+        hit: what is asked, with the arm and how to plan in its setting.
+        robot: the arm, if it is loaded already.
+        options: as `simulate`; they go before what the hit says.
+    """
+    how = hit.setting
+    if how.q_hit is None:
+        return _simulate_plan(plan_hit(hit, robot), robot, **options)
+    told: dict[str, Any] = {"q0": how.q0, "q_hit": how.q_hit, "torque_limits": how.torque_limits}
+    return simulate(how.arm(robot), hit, **(told | options))
 
 
 def impact_of(motion: Rollout) -> ImpactState:
@@ -221,6 +251,25 @@ def predict(motion: Rollout, how: EngineSetting) -> Prediction:
     slides = is_level(motion.hit.direction) and how.friction > 0
     travel = speed**2 / (2 * how.friction * GRAVITY) if slides else None
     return Prediction(speed, rebound(*asked), at.inertia, travel, at.flux, at.speed)
+
+
+def predict_box(
+    motion: Rollout, impact: ImpactState, how: EngineSetting, predicted: Prediction
+) -> tuple[BoxRest | None, str]:
+    """Return where the box should come to rest, or None and why that cannot be told."""
+    if predicted.travel is None:
+        return None, "it does not slide on a level table with friction"
+    hit = motion.hit.changed(
+        size=how.size, yaw=how.yaw, restitution=how.restitution, friction=how.friction
+    )
+    places: dict[str, Any] = {name: getattr(how, name) for name in ("off_centre", "height")}
+    try:
+        told = predict_rest(
+            motion.robot, impact.q, hit, predicted.speed, **places, support=how.support
+        )
+    except InfeasibleError as refused:
+        return None, refused.reason
+    return told, ""
 
 
 def predict_elastic(motion: Rollout, impact: ImpactState, how: EngineSetting) -> ElasticImpact:

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from hitjoints.errors import SolverError
-from hitjoints.evidence.physics.engine_scene import ImpactState, build_scene
+from hitjoints.evidence.physics.engine_scene import build_scene
+from hitjoints.evidence.physics.first_touch import ImpactState
 from hitjoints.impact import spring_arm
 from hitjoints.model.engine import engine
 
@@ -35,9 +36,12 @@ class Strike:
             the impact is over, though they stay together.
         rebound: m/s, change of the contact point's speed along it, negative.
         inertia: kg, by the balance of momentum: mass object_speed / -rebound.
-        restitution: speed of parting of the two contact points, as a share of that of meeting.
+        restitution: speed of parting of the two contact points along the face's normal, as a share
+            of that of meeting.
         contact_time: s, from the first touch until then.
         contacts: how often they touch until the arm rests, apart by a contact's time at least.
+        velocity: (3,) m/s, of the box's centre at the parting.
+        spin: rad/s, of the box about the vertical, at the parting.
         box: the box's position and quaternion (7,), and its velocity (6,), at the end.
         rows: name -> array along time: `time` (s), `robot_speed`, `object_speed` (m/s), `force`
             (N), `q` (T, n), `box_position` (T, 3) m, `box_quaternion` (T, 4).
@@ -49,6 +53,8 @@ class Strike:
     restitution: float
     contact_time: float
     contacts: int
+    velocity: Array
+    spin: float
     box: tuple[Array, Array] = field(repr=False)
     rows: dict[str, Array] = field(repr=False)
 
@@ -73,6 +79,7 @@ def strike(
         SolverError: the arm does not touch the box, or the engine loses one of them.
     """
     bout = _Bout(robot, impact, setting, reference)
+    meeting = bout.closing
     while bout.now.force == 0:
         if bout.now.time > setting.contact_time:
             raise SolverError("the arm does not touch the box in the engine")
@@ -83,7 +90,8 @@ def strike(
     while bout.now.force > 0 and bout.now.time < over:
         bout.step()
     parting = bout.now
-    restitution = (bout.speed_of(bout.face) - parting.robot_speed) / approach
+    restitution = -bout.closing / meeting
+    box = bout.velocity_of(bout.box)
     while bout.now.time < follow:
         bout.step()
     rebound = parting.robot_speed - approach
@@ -96,6 +104,8 @@ def strike(
         restitution=restitution,
         contact_time=parting.time - touch,
         contacts=bout.contacts,
+        velocity=box[3:],
+        spin=float(box[2]),
         box=bout.pose,
         rows={
             name: np.array([getattr(row, name) for row in bout.rows]) for name in StrikeRow._fields
@@ -125,6 +135,7 @@ class _Bout:
         kind = self.mujoco.mjtObj
         self.model, self.data = build_scene(robot, impact, setting)
         self.direction, self.n = impact.direction, robot.n
+        self.normal = impact.box_axes(setting)[:, 0]
         self.reference = reference if setting.servo_gain > 0 else None
         self.point = kind.mjOBJ_SITE, self.model.site("contact").id
         self.face = kind.mjOBJ_SITE, self.model.site("face").id
@@ -153,11 +164,21 @@ class _Bout:
             self.contacts += self.now.time - self._touched > self._apart
             self._touched = self.now.time
 
-    def speed_of(self, thing: tuple[Any, int]) -> float:
-        """Return the speed of a body or site along the hitting direction."""
+    @property
+    def closing(self) -> float:
+        """Speed at which the contact points come together along the face's first normal, m/s."""
+        point, face = self.velocity_of(self.point), self.velocity_of(self.face)
+        return float(self.normal @ (point - face)[3:])
+
+    def velocity_of(self, thing: tuple[Any, int]) -> Array:
+        """Return the velocity (6,) of a body or site, turning first, in the robot's base frame."""
         velocity = np.zeros(6)
         self.mujoco.mj_objectVelocity(self.model, self.data, *thing, velocity, 0)
-        return float(self.direction @ velocity[3:])
+        return velocity
+
+    def speed_of(self, thing: tuple[Any, int]) -> float:
+        """Return the speed of a body or site along the hitting direction."""
+        return float(self.direction @ self.velocity_of(thing)[3:])
 
     def _evaluate(self) -> None:
         """Compute the forces of this moment, and add its row."""

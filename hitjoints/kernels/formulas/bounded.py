@@ -25,7 +25,7 @@ class Guess(NamedTuple):
 
     Attributes:
         sides: -1 for a variable at the lower bound, 1 at the upper, 0 between.
-        one_by_one: 1 if the next guess is to differ in one entry only, which ends most cycles; else 0.
+        one_by_one: 1 if the next guess is to differ in one entry only, which ends most cycles.
     """
 
     sides: list[Scalar]

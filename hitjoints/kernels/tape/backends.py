@@ -39,7 +39,7 @@ class Runnable(Protocol):
     nanoseconds: float
 
     def bind(
-        self, inputs: list[Array], out: Array, iterations: int = 1
+        self, inputs: list[Array] | Array, out: Array, iterations: int = 1
     ) -> Callable[[int, int], None]:
         """Return what evaluates rows start..stop."""
 
@@ -82,7 +82,7 @@ def llvm_works() -> bool:
     return bool(np.all(out == 3.0))
 
 
-def prepare(program: Tape, rows_only: int, backend: str | None, effort: int = 2) -> Runnable:
+def prepare(program: Tape, rows_only: int, backend: str | None = None, effort: int = 2) -> Runnable:
     """Make a program ready to run; its first `rows_only` inputs always differ per row.
 
     Args:
@@ -110,7 +110,7 @@ def over_boxes(program: Tape) -> Callable[[list[Interval], int], Interval]:
 def evaluate(
     run: Runnable,
     outputs: int,
-    inputs: list[Array],
+    inputs: list[Array] | Array,
     rows: int,
     threads: int | None,
     iterations: int = 1,
@@ -121,7 +121,7 @@ def evaluate(
     Args:
         run: the program.
         outputs: how many values it gives per row.
-        inputs: per input (rows,) values, or (1,) shared by all rows.
+        inputs: per input (rows,) values, or (1,) shared by all rows; or all of them in one array.
         rows: how many.
         threads: None for as many as help.
         iterations: at most this many rounds, of a program with states.

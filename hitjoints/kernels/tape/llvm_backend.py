@@ -71,7 +71,7 @@ class LlvmProgram:
         self.function, self.keep = compile_function(text, SIGNATURE, effort)
 
     def bind(
-        self, inputs: list[Array], out: Array, iterations: int = 1
+        self, inputs: list[Array] | Array, out: Array, iterations: int = 1
     ) -> Callable[[int, int], None]:
         """Return what evaluates rows start..stop.
 
@@ -81,10 +81,14 @@ class LlvmProgram:
             iterations: at most this many rounds of a program with states.
         """
         count = len(inputs)
-        pointers = (ctypes.c_void_p * count)(*(x.ctypes.data for x in inputs))
-        strides = (ctypes.c_int64 * count)(
-            *(0 if len(x) == 1 else x.strides[0] // x.itemsize for x in inputs)
-        )
+        if isinstance(inputs, np.ndarray):  # asking each of its rows takes as long as many steps
+            first, apart = inputs.ctypes.data, inputs.strides[0]
+            places = list(range(first, first + apart * count, apart))
+            steps = [inputs.strides[1] // inputs.itemsize] * count
+        else:
+            places = [x.ctypes.data for x in inputs]
+            steps = [0 if len(x) == 1 else x.strides[0] // x.itemsize for x in inputs]
+        pointers, strides = (ctypes.c_void_p * count)(*places), (ctypes.c_int64 * count)(*steps)
         place, rows = out.ctypes.data, out.shape[1]
 
         def run(start: int, stop: int) -> None:

@@ -76,7 +76,7 @@ class NumpyProgram:
         self.register, self.registers = assign_registers(program)
 
     def bind(
-        self, inputs: list[Array], out: Array, iterations: int = 1
+        self, inputs: list[Array] | Array, out: Array, iterations: int = 1
     ) -> Callable[[int, int], None]:
         """Return what evaluates rows start..stop.
 
@@ -92,7 +92,7 @@ class NumpyProgram:
         """Return the same for inputs that are the columns of x (N, m), and shared ones (k,)."""
         return self.bind([*x.T, *shared[:, None]], out)
 
-    def _run(self, inputs: list[Array], out: Array, start: int, stop: int) -> None:
+    def _run(self, inputs: list[Array] | Array, out: Array, start: int, stop: int) -> None:
         width = min(BLOCK, stop - start)
         bank = np.empty((self.registers, width))
         values: list[Array] = [bank[r] for r in self.register]

@@ -1,4 +1,4 @@
-"""The greatest inertia along the direction (Eq. 14), and the least rebound for a flux."""
+"""The greatest inertia along the direction (Eq. 14), and what follows from it for a given flux."""
 
 from __future__ import annotations
 
@@ -34,3 +34,16 @@ class LeastRebound(MostInertia):
     """The least Eq. 11 for a flux: the most inertia among configurations that can reach it."""
 
     needs_flux = True
+
+
+class MostArrivals(MostInertia):
+    """The greatest share of objects that come to rest within a tolerance of the goal.
+
+    Of a joint's configurations that reach the flux, the one with the most inertia: what a mass that
+    is not known exactly does to the object's speed goes with m / (inertia + m), and the rest of the
+    spread hangs on the object and the flux alone. Between joints the shares themselves count.
+    """
+
+    ranked_by = "arrives"
+    needs_flux = True
+    needs_goal = True

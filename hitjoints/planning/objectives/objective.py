@@ -21,6 +21,7 @@ class Objective(ABC):
         moving: the joint velocities of a straight motion are variables beside q.
         stopping: those velocities are reached from rest, and stopped from, within the limits.
         needs_flux: it makes sense only with a flux to be reached.
+        needs_goal: it makes sense only where it is known where the object is to come to rest.
         keeps_away: it can be combined with the away condition.
     """
 
@@ -29,6 +30,7 @@ class Objective(ABC):
     moving: ClassVar[bool] = False
     stopping: ClassVar[bool] = False
     needs_flux: ClassVar[bool] = False
+    needs_goal: ClassVar[bool] = False
     keeps_away: ClassVar[bool] = True
 
     @abstractmethod

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hitjoints.errors import UnknownNameError
 from hitjoints.planning.objectives.most_flux import MostDeliverable, MostFlux, MostStraightFlux
-from hitjoints.planning.objectives.most_inertia import LeastRebound, MostInertia
+from hitjoints.planning.objectives.most_inertia import LeastRebound, MostArrivals, MostInertia
 from hitjoints.planning.objectives.objective import Objective
 
 OBJECTIVES: dict[str, type[Objective]] = {
@@ -13,6 +13,7 @@ OBJECTIVES: dict[str, type[Objective]] = {
     "straight-flux": MostStraightFlux,
     "deliverable": MostDeliverable,
     "rebound": LeastRebound,
+    "landing": MostArrivals,
 }
 
 
