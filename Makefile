@@ -9,7 +9,7 @@ QUICK := $(addprefix tests/,cli datasets maps dynamics/test_mobility.py programs
 	robots/test_robot.py kernels/test_kernel.py show/test_viewer.py evidence/test_physics_strike.py \
 	planning/test_learning.py)
 
-.PHONY: demo test lowest lint bench docs clean
+.PHONY: demo test lowest lint bench docs figures clean
 
 demo: $(VENV)/demo-ready
 	mkdir -p out
@@ -39,6 +39,10 @@ bench: $(VENV)/ready
 docs: $(VENV)/ready
 	$(BIN)/sphinx-build -W -q -b html docs docs/_build/html
 	@echo "docs/_build/html/index.html"
+
+# The pictures of the documentation, again.
+figures: $(VENV)/ready
+	$(BIN)/python docs/make_figures.py
 
 clean:
 	rm -rf $(VENV) $(LOWEST) build dist out docs/_build *.egg-info

@@ -83,7 +83,7 @@ def check_outputs(
         InputError: an ending is not one of those, a path cannot be written to, or two are one.
     """
     from hitjoints.datasets.files import check_apart, check_writable
-    from hitjoints.show.figures import FIGURE_ENDINGS
+    from hitjoints.show.style import FIGURE_ENDINGS
 
     asked = []
     for path, argument, endings in (*outputs, (plot, "plot", FIGURE_ENDINGS)):

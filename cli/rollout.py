@@ -69,6 +69,7 @@ def rollout(
     Without --plan, --q0 or --start it plans the configuration, the start and the run-up first.
     """
     from hitjoints.rollouts.follow import rollout as roll
+    from hitjoints.show import figures
 
     output.check(robot.robot, start.plan, hit.file)
     planned = start.planned()
@@ -76,7 +77,8 @@ def rollout(
     arm = robot.load()
     wanted = asked.flux_hit(arm)
     result = roll(arm, wanted, **start.arguments(planned, wanted, arm), **motion.arguments())
-    _write(result, output.out, output.plot)
+    _write(result, output.out)
+    output.save(figures.rollout, result)
     if output.as_json:
         said = {
             "robot": robot.robot,
@@ -96,18 +98,13 @@ def rollout(
         raise typer.Exit(3)
 
 
-def _write(result: Rollout, out: Path | None, plot: Path | None) -> None:
+def _write(result: Rollout, out: Path | None) -> None:
     if out is not None:
         from hitjoints.datasets.files import write_dataset
         from hitjoints.rollouts.record import flattened
 
         dataset = result.dataset
         write_dataset(flattened(dataset) if out.suffix == ".csv" else dataset, out)
-    if plot is not None:
-        from hitjoints.show.figures import save_figure
-        from hitjoints.show.rollout_figure import draw_rollout
-
-        save_figure(draw_rollout(result), plot)
 
 
 def _print(result: Rollout) -> None:

@@ -105,6 +105,7 @@ class TrajectoryOutputs(OutputOptions):
         from hitjoints.export.trajectory import TRAJECTORY_ENDINGS
 
         check_outputs(self.plot, (self.out, "out", TRAJECTORY_ENDINGS), inputs=inputs)
+        self.check_look()
 
 
 def swing(
@@ -120,6 +121,7 @@ def swing(
     It keeps positions, velocities, accelerations, jerks, torques and clearance. What of these the
     robot does not tell is said.
     """
+    from hitjoints.show import figures
     from hitjoints.swings.make_swing import swing as make
 
     output.check(robot.robot, start.plan, hit.file)
@@ -141,25 +143,17 @@ def swing(
         complain("note", f"{arm.name} does not tell: {unknown}; not kept, or left out")
     for note in result.notes:
         complain("note", note)
-    _write(result, output.out, output.plot)
+    if output.out is not None:
+        from hitjoints.export.trajectory import write_trajectory
+
+        write_trajectory(result.trajectory, output.out)
+    output.save(figures.swing, result)
     if output.as_json:
         files = [str(path) for path in (output.out, output.plot) if path is not None]
         print_json({"robot": robot.robot} | result.as_dict() | {"files": files})
     else:
         _print(result)
     output.tell()
-
-
-def _write(result: Swing, out: Path | None, plot: Path | None) -> None:
-    if out is not None:
-        from hitjoints.export.trajectory import write_trajectory
-
-        write_trajectory(result.trajectory, out)
-    if plot is not None:
-        from hitjoints.show.figures import save_figure
-        from hitjoints.show.swing_figure import draw_swing
-
-        save_figure(draw_swing(result), plot)
 
 
 def _print(result: Swing) -> None:

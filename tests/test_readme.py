@@ -31,6 +31,8 @@ def test_every_public_name_exists_and_has_its_place_in_the_reference():
         assert getattr(hj, name).__doc__ or name == "__version__", name
     pages = "".join(page.read_text() for page in (ROOT / "docs").glob("*.md"))
     documented = set(
-        re.findall(r"auto(?:function|class|exception):: hitjoints\.(\w+)$", pages, re.M)
+        re.findall(
+            r"auto(?:function|class|exception|module):: hitjoints\.(?:show\.)?(\w+)$", pages, re.M
+        )
     )
     assert set(hj.__all__) - documented - {"__version__"} == set()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from hitjoints.datasets.files import write_whole
 from hitjoints.errors import InfeasibleError, InputError
@@ -13,6 +13,7 @@ from hitjoints.model.robot import Contact
 from hitjoints.planning.candidates import Candidate, Verdict, plain
 from hitjoints.planning.start import Start
 from hitjoints.planning.torque_cost import TorqueCost
+from hitjoints.plotted import Plotted
 
 if TYPE_CHECKING:
     from hitjoints.hit import Hit
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Plan(Plotted):
     """The answer: one candidate per joint, and the best of them.
 
     Attributes:
@@ -35,6 +36,8 @@ class Plan:
         start: of the best hit, if it was asked for.
         torque_costs: of every candidate that can do it, if torque limits were asked for.
     """
+
+    drawn_by: ClassVar[str] = "plan"
 
     robot: str
     hit: Hit

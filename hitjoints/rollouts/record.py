@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from hitjoints.datasets.describe import origin
+from hitjoints.plotted import Plotted
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -47,7 +48,7 @@ VARIABLES = {
 
 
 @dataclass(frozen=True, eq=False)
-class Rollout:
+class Rollout(Plotted):
     """A hit from its start to its end.
 
     Attributes:
@@ -64,6 +65,8 @@ class Rollout:
         step_times: (steps,) s, wall time of every control step.
         parameters: of the controller, kept in the data set.
     """
+
+    drawn_by: ClassVar[str] = "rollout"
 
     robot: Robot
     hit: Hit

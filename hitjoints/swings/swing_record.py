@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.export.trajectory import Trajectory, write_trajectory
 from hitjoints.impact.shown_inertia import shown_inertia
+from hitjoints.plotted import Plotted
 from hitjoints.swings.motion_limits import greatest_ratios, torques
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ RESTING = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Swing:
+class Swing(Plotted):
     """A motion from rest to rest that strikes on the way.
 
     Attributes:
@@ -47,6 +48,8 @@ class Swing:
         tried: what was in the way of other strokes -> how often.
         notes: what is not as asked for.
     """
+
+    drawn_by: ClassVar[str] = "swing"
 
     robot: Robot
     hit: Hit

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from hitjoints.evidence.physics.slide import turned
 from hitjoints.goals.box_rest import rest_at
+from hitjoints.plotted import Plotted
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -71,7 +72,7 @@ class Cause:
 
 
 @dataclass(frozen=True, eq=False)
-class Simulation:
+class Simulation(Plotted):
     """A planned hit, predicted and simulated.
 
     Attributes:
@@ -87,6 +88,8 @@ class Simulation:
         predicted_rest: where the box should come to rest; None where it does not simply slide.
         unpredicted: why it does not.
     """
+
+    drawn_by: ClassVar[str] = "simulation"
 
     motion: Rollout
     mode: Mode
