@@ -79,10 +79,10 @@ class HitCandidates:
         """The greatest flux (m/s) of all, clear or not."""
         return float(self.samples.flux.max(initial=0.0))
 
-    def rows(self, flux: float) -> Iterator[int]:
-        """Yield those that deliver a flux (m/s), as different from each other as can be."""
+    def rows(self, flux: float, near: int = 1) -> Iterator[int]:
+        """Yield those that deliver a flux (m/s): some near the start, then different ones."""
         chosen = np.flatnonzero(self.samples.flux >= flux)
-        return spread_out(self._robot, self._hit, self.samples, chosen, self._start)
+        return spread_out(self._robot, self._hit, self.samples, chosen, self._start, near)
 
     def clear(self, row: int) -> tuple[Obstacle | None, str]:
         """Return the object as a configuration hits it, and what is in the way there."""

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 CANDIDATES, ALL = 40, 120
 """Configurations whose strokes are looked at for one flux, and strikes all in all."""
+NEAREST = 30
+"""Configurations near the start that are looked at first for a flux that many can deliver."""
 LEVELS = (0.999, 0.97, 0.93, 0.88, 0.8, 0.7, 0.57, 0.45, 0.33)
 """Shares of the greatest flux that are tried where no flux is asked for,"""
 FEW = 4
@@ -116,7 +118,7 @@ class SwingSearch:
 
     def _wanted(self, flux: float) -> Swing | None:
         for strict in (True, False):
-            rows = self.among.rows(SHORT * flux)
+            rows = self.among.rows(SHORT * flux, NEAREST)
             for struck in self._strikes(rows, flux, CANDIDATES, strict=strict):
                 found = self._checked(struck)
                 if found is not None:
