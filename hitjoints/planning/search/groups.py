@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.planning.search.climb import climb, feasible
-from hitjoints.planning.search.found import SAME, Found
 from hitjoints.planning.search.climb_starts import starts_of
+from hitjoints.planning.search.found import SAME, Found
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.planning.search.climb import climb
+from hitjoints.planning.search.climb_starts import starts_of
 from hitjoints.planning.search.found import Found
 from hitjoints.planning.search.groups import FINE
-from hitjoints.planning.search.climb_starts import starts_of
 
 if TYPE_CHECKING:
     from hitjoints.planning.objectives.hit_problem import HitProblem
