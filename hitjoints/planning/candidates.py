@@ -18,7 +18,7 @@ from hitjoints.quantities import hitting_speed
 from hitjoints.told import Told
 
 if TYPE_CHECKING:
-    from hitjoints.planning.search.groups import Found
+    from hitjoints.planning.search.found import Found
     from hitjoints.planning.task import Task
     from hitjoints.types import Array
 
@@ -50,7 +50,8 @@ class Candidate(Told):
             the best configuration of the links; else None.
         arrives: share of the objects that rest within the tolerance of the goal, where the plan
             was made by that.
-        evidence: samples, admissible, local_optima, restarts, spread, agreeing, certificate.
+        evidence: samples, admissible, local_optima, restarts, spread, agreeing, local,
+            certificate.
     """
 
     joint: int
@@ -199,5 +200,6 @@ def evidence_of(found: Found) -> dict[str, Any]:
         "restarts": best,
         "spread": found.spread if best.size else None,
         "agreeing": int((best >= most * (1 - 1e-4)).sum()),
+        "local": found.local,
         "certificate": None,
     }

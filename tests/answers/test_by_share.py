@@ -20,7 +20,9 @@ def hit():
     return hj.Hit(
         None, (0.5, 0.15, 0.4), mass=2.0, goal=(0.5, 0.35, 0.4), friction=0.3, restitution=0.4,
         spread={"mass": 0.5, "friction": 0.01},
-        setting=HitSetting(RobotChoice("iiwa14"), joints=(6, 7), objective="landing", away=False, tolerance=0.02),
+        setting=HitSetting(
+            RobotChoice("iiwa14"), (6, 7), objective="landing", away=False, tolerance=0.02
+        ),
     )  # fmt: skip
 
 
