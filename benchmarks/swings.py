@@ -1,8 +1,8 @@
 """Swings for random hits of five arms: how many can be sent, what they deliver, what they cost.
 
-`python -m benchmarks.swings 200 --keep FILE` makes 200 hits for each arm, as hard as can be and with
-a share of that; `swing_checker` judges the one and the other by turns. It keeps a line for each
-hit: begun again, it goes on where it was. With names of arms it makes only theirs.
+`python -m benchmarks.swings 200 --keep FILE` makes 200 hits for each arm, as hard as can be and
+with a share of that; `swing_checker` judges the one and the other by turns. It keeps a line for
+each hit: begun again, it goes on where it was. With names of arms it makes only theirs.
 """
 
 from __future__ import annotations
@@ -184,8 +184,8 @@ def report(name: str, lines: list[dict[str, Any]]) -> str:
     said = [
         f"{name}: {len(lines)} hits, {len(asks)} asked; {sendable} of {count} sendable "
         f"({100 * sendable / max(count, 1):.1f} %), {named.total()} refused by name {dict(named)}",
-        f"  violations: {dict(wrong)} in {len(judged)} judged; processor time without the last look "
-        f"{_spread(asks, 'search_time', 1e3)} ms, with it {_spread(asks, 'time', 1e3)} ms "
+        f"  violations: {dict(wrong)} in {len(judged)} judged; processor time without the last "
+        f"look {_spread(asks, 'search_time', 1e3)} ms, with it {_spread(asks, 'time', 1e3)} ms "
         f"(median, 95 %); motions of {_spread(struck, 'duration', 1.0)} s",
     ]
     shares = [x["fastest"]["flux"] / x["static"] for x in lines if x.get("static", 0) > 0]
