@@ -10,8 +10,10 @@ import numpy as np
 
 from hitjoints.errors import InputError
 from hitjoints.goals.box_hit import Boxes
-from hitjoints.goals.box_rest import level_axes, send_boxes
-from hitjoints.goals.sliding import Support
+from hitjoints.goals.box_rest import level_axes, send_boxes, strike_boxes
+from hitjoints.goals.leaning import turned
+from hitjoints.goals.slide_path import SlidePath
+from hitjoints.goals.sliding import Support, slide_steps
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -96,25 +98,14 @@ def landing(  # noqa: PLR0913
         InputError: an argument cannot be used, or the direction is not level.
         InfeasibleError: the box would be missed, tip, or slide on its edge.
     """
-    if abs(hit.direction[2]) > LEVEL:
-        raise InputError("direction", hit.direction.tolist(), "a box slides after a level hit only")
-    for name in ("restitution", "friction"):
-        if getattr(hit, name) is None:
-            raise InputError(name, None, "where the object lands depends on it")
-    if not (math.isfinite(speed) and speed > 0):
-        raise InputError("speed", speed, "the contact moves at more than 0 m/s")
+    _check(hit, speed)
     tolerance = hit.setting.tolerance if tolerance is None else tolerance
     if not (math.isfinite(tolerance) and tolerance > 0):
         raise InputError("tolerance", tolerance, "it is above 0 m")
     if samples < 2:
         raise InputError("samples", samples, "at least 2")
     drawn = _draw(hit, samples, seed)
-    # The first row is the hit without any spread.
-    yaw, offset = drawn["yaw"], drawn["offset"] - off_centre
-    size = np.array(POINT_SIZE if hit.size is None else hit.size)
-    if hit.size is None:
-        yaw, offset = np.zeros_like(yaw), np.zeros_like(offset)
-    boxes = Boxes(drawn["mass"], size, yaw, offset, height, drawn["friction"], support)
+    boxes = _boxes(hit, drawn, off_centre, height, support)
     _, slide = send_boxes(robot, q, hit, boxes, speed * drawn["speed"], drawn["restitution"])
     places = hit.position[:2] + slide.displacement @ level_axes(hit).T
     nominal = np.append(places[0], hit.position[2])
@@ -130,6 +121,62 @@ def landing(  # noqa: PLR0913
         tolerance,
         float(np.mean(np.linalg.norm(tried - goal[:2], axis=1) <= tolerance)),
     )
+
+
+def slide_after(
+    robot: Robot, q: ArrayLike, hit: Hit, speed: float, *, support: Support = "face"
+) -> SlidePath:
+    """Return how a box, hit level on a table, slides to where `landing` says without any spread.
+
+    Args:
+        robot: as `landing`.
+        q: as `landing`.
+        hit: as `landing`; its spread plays no part.
+        speed: as `landing`.
+        support: as `landing`.
+
+    Raises:
+        InputError: as `landing`.
+        InfeasibleError: as `landing`.
+    """
+    _check(hit, speed)
+    drawn = _draw(hit, 0, 0)
+    boxes = _boxes(hit, drawn, 0.0, 0.0, support)
+    # Hit level with its centre a box does not pitch: it slides at once.
+    moved = strike_boxes(
+        robot, q, hit, boxes, speed * drawn["speed"], drawn["restitution"]
+    ).down.moved
+    velocity = turned(moved.velocity, boxes.yaw)
+    steps = slide_steps(
+        velocity, moved.spin, boxes.size, boxes.friction, yaw=boxes.yaw, support=support
+    )
+    rows = [(time[0], state[0]) for time, state in steps]
+    times, states = np.array([time for time, _ in rows]), np.array([state for _, state in rows])
+    axes = level_axes(hit)
+    return SlidePath(
+        times, states[:, 3:5] @ axes.T, states[:, :2] @ axes.T, states[:, 5] - states[0, 5]
+    )
+
+
+def _check(hit: Hit, speed: float) -> None:
+    if abs(hit.direction[2]) > LEVEL:
+        raise InputError("direction", hit.direction.tolist(), "a box slides after a level hit only")
+    for name in ("restitution", "friction"):
+        if getattr(hit, name) is None:
+            raise InputError(name, None, "where the object lands depends on it")
+    if not (math.isfinite(speed) and speed > 0):
+        raise InputError("speed", speed, "the contact moves at more than 0 m/s")
+
+
+def _boxes(
+    hit: Hit, drawn: dict[str, Array], off_centre: float, height: float, support: Support
+) -> Boxes:
+    """Return a box for every try, the first for the hit without any spread."""
+    yaw, offset = drawn["yaw"], drawn["offset"] - off_centre
+    size = np.array(POINT_SIZE if hit.size is None else hit.size)
+    if hit.size is None:
+        yaw, offset = np.zeros_like(yaw), np.zeros_like(offset)
+    return Boxes(drawn["mass"], size, yaw, offset, height, drawn["friction"], support)
 
 
 def _draw(hit: Hit, samples: int, seed: int) -> dict[str, Array]:

@@ -17,7 +17,7 @@ from hitjoints.impact.composite import composite_inertia
 from hitjoints.quantities import hitting_speed
 
 if TYPE_CHECKING:
-    from hitjoints.planning.search.groups import Found
+    from hitjoints.planning.search.found import Found
     from hitjoints.planning.task import Task
     from hitjoints.types import Array
 
@@ -49,7 +49,8 @@ class Candidate:
             the best configuration of the links; else None.
         arrives: share of the objects that rest within the tolerance of the goal, where the plan
             was made by that.
-        evidence: samples, admissible, local_optima, restarts, spread, agreeing, certificate.
+        evidence: samples, admissible, local_optima, restarts, spread, agreeing, local,
+            certificate.
     """
 
     joint: int
@@ -188,5 +189,6 @@ def evidence_of(found: Found) -> dict[str, Any]:
         "restarts": best,
         "spread": found.spread if best.size else None,
         "agreeing": int((best >= most * (1 - 1e-4)).sum()),
+        "local": found.local,
         "certificate": None,
     }
