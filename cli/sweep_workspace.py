@@ -22,7 +22,7 @@ from .robot_options import RobotOptions
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from hitjoints.maps.workspace import Progress
+    from hitjoints.maps.run_sweep import Progress
     from hitjoints.model.robot import Robot
 
 WISHES = ("goal", "flux", "object_speed", "restitution", "friction")
@@ -108,7 +108,7 @@ def sweep_workspace(
     asked = hit.read()
     output.check(robot.robot, hit.file)
     arm = robot.load()
-    with _progress() as progress:
+    with shown_progress() as progress:
         swept = hj.sweep_workspace(
             arm,
             spaced(grid.x, "x"),
@@ -126,7 +126,7 @@ def sweep_workspace(
             command=" ".join(["hitjoints", *sys.argv[1:]]),
         )
     rows = _summary(swept)
-    _write(arm, swept, output)
+    write_map(arm, swept, output)
     if output.as_json:
         out = None if output.out is None else str(output.out)
         print_json({**swept.attrs, "out": out, "summary": rows})
@@ -138,7 +138,8 @@ def sweep_workspace(
         raise typer.Exit(3)
 
 
-def _write(arm: Robot, swept: Dataset, output: MapOutputs) -> None:
+def write_map(arm: Robot, swept: Dataset, output: MapOutputs) -> None:
+    """Write the copies and the picture of a map that are asked for."""
     from hitjoints.datasets.files import write_dataset
 
     for path, argument in ((output.netcdf, "nc"), (output.csv, "csv")):
@@ -152,7 +153,7 @@ def _write(arm: Robot, swept: Dataset, output: MapOutputs) -> None:
 
 
 @contextmanager
-def _progress() -> Iterator[Progress]:
+def shown_progress() -> Iterator[Progress]:
     """Show on stderr how far a sweep is, its rate and the time left."""
     from rich.console import Console
     from rich.progress import (

@@ -8,6 +8,7 @@ import numpy as np
 
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InputError
+from hitjoints.maps.map_kinds import MOTION, WORKSPACE, kind_of
 from hitjoints.maps.workspace import best_joint
 from hitjoints.model.robot import Contact
 from hitjoints.show.figures import colour_of
@@ -18,15 +19,22 @@ if TYPE_CHECKING:
 
     from hitjoints.model.robot import Robot
 
-PANELS = (
-    ("inertia_median", r"median inertia $\lambda_h$ (kg)", "viridis", "heaviest"),
-    ("flux", r"greatest flux $\phi_{\max}$ (m/s)", "inferno", "hits hardest"),
-)
+PANELS = {
+    WORKSPACE.name: (
+        ("inertia_median", r"median inertia $\lambda_h$ (kg)", "viridis", "heaviest"),
+        ("flux", r"greatest flux $\phi_{\max}$ (m/s)", "inferno", "hits hardest"),
+    ),
+    MOTION.name: (
+        ("inertia", r"inertia at the impact $\lambda_h$ (kg)", "viridis", "heaviest"),
+        ("flux", r"delivered flux $\phi$ (m/s)", "inferno", "hits hardest"),
+    ),
+}
+"""Of each kind of map: variable, label, colours, and what the joint of the greatest is."""
 UNREACHABLE = "#d9d9d9"
 
 
 def draw_workspace(robot: Robot, swept: Dataset, direction: int = 0) -> Figure:
-    """Return the figure of a `sweep_workspace` data set for one of its directions.
+    """Return the figure of a map, of what is possible or of motions, for one of its directions.
 
     A map of one layer is drawn as it is; of a thicker one, the middle layer of the axis with the
     fewest coordinates. Hatched grey is out of reach; the line is the arm at home.
@@ -45,7 +53,8 @@ def draw_workspace(robot: Robot, swept: Dataset, direction: int = 0) -> Figure:
     size = (3.1 * columns + 1, 5.4 * min(max(aspect, 0.4), 2.2) + 1.3)
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(2, columns, sharex=True, sharey=True)
-    for row, (name, label, colours, praise) in zip(axes, PANELS, strict=True):
+    kind = kind_of(swept.attrs)
+    for row, (name, label, colours, praise) in zip(axes, PANELS[kind.name], strict=True):
         scale, ends = _shared_scale(name, cut[name].values)
         for axis, k in zip(row, joints, strict=False):
             values = cut[name].sel(joint=k).transpose(up, across)
@@ -56,7 +65,7 @@ def draw_workspace(robot: Robot, swept: Dataset, direction: int = 0) -> Figure:
         )
         _shade_joints(row[-1], cut, (across, up), best_joint(cut, name).transpose(up, across))
         row[-1].set_title(praise)
-    _legend(figure, joints)
+    _legend(figure, joints, "no motion hits" if kind is MOTION else "out of reach")
     for axis in axes.flat:
         _draw_arm(axis, robot, ("xyz".index(across), "xyz".index(up)))
         axis.set(xlim=_span(cut[across]), ylim=_span(cut[up]), aspect="equal")
@@ -65,10 +74,11 @@ def draw_workspace(robot: Robot, swept: Dataset, direction: int = 0) -> Figure:
     for axis in axes[:, 0]:
         axis.set_ylabel(f"{up} (m)")
     h = ", ".join(f"{v:.3g}" for v in swept.direction_vector.values[direction])
+    what = ("tries", "motions") if kind is MOTION else ("samples", "configurations")
     figure.suptitle(
         f"{swept.attrs['robot']}: object of {swept.attrs['mass']:g} kg hit along ({h}), "
         f"{layer} = {float(swept[layer][middle]):.3g} m, "
-        f"{swept.attrs['samples']} configurations per position",
+        f"{swept.attrs[what[0]]} {what[1]} per position",
         fontsize="medium",
     )
     return figure
@@ -96,7 +106,7 @@ def _shared_scale(name: str, values: Any) -> tuple[dict[str, Any], dict[str, Any
 
     finite = values[np.isfinite(values) & (values > 0)]
     low, high = np.percentile(finite, (1, 98)) if finite.size else (0.1, 1.0)
-    if name == "inertia_median":
+    if name.startswith("inertia"):
         ticks = [tick for tick in (0.5, 1, 2, 3, 5, 10, 20, 30, 50, 100) if low < tick < high]
         return {"norm": LogNorm(low, max(high, 1.01 * low))}, {"extend": "both", "ticks": ticks}
     return {"norm": Normalize(0.0, high)}, {"extend": "max"}
@@ -118,14 +128,12 @@ def _shade_joints(axis: Any, cut: Dataset, plane: tuple[str, str], values: Any) 
     _shade(axis, cut, plane, values, cmap=colours, norm=BoundaryNorm(edges, len(ordered)))
 
 
-def _legend(figure: Figure, joints: list[int]) -> None:
+def _legend(figure: Figure, joints: list[int], absent: str) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     handles: list[Any] = [Patch(color=colour_of(k), label=f"joint {k}") for k in joints]
-    handles.append(
-        Patch(facecolor=UNREACHABLE, hatch="////", edgecolor="white", label="out of reach")
-    )
+    handles.append(Patch(facecolor=UNREACHABLE, hatch="////", edgecolor="white", label=absent))
     handles.append(Line2D([], [], color="black", marker="s", label="arm at home"))
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
 
