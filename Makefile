@@ -9,16 +9,16 @@ QUICK := $(addprefix tests/,cli datasets maps dynamics/test_mobility.py programs
 	robots/test_robot.py kernels/test_kernel.py show/test_viewer.py evidence/test_physics_strike.py \
 	planning/test_learning.py)
 
-.PHONY: demo test lowest lint bench docs clean
+.PHONY: demo test lowest lint bench docs figures clean
 
 demo: $(VENV)/demo-ready
 	mkdir -p out
 	$(BIN)/hitjoints plan --object 0.5,0.3,0.5 --direction 0,1,0 --mass 2 --out out/plan.json --plot out/plan.png
 	$(BIN)/hitjoints swing --plan out/plan.json --out out/trajectory.csv --plot out/swing.png
 	@echo "Planned, and made a motion that a controller can be sent. Pictures: out/plan.png, out/swing.png. Next:"
-	@echo "  $(BIN)/hitjoints sweep joint --plot out/fig2.png         inertia, speed and flux of each joint (the paper's Fig. 2)"
-	@echo "  $(BIN)/hitjoints inspect --impact all --contact-time 0.01  the mass that a real arm shows"
-	@echo "  $(BIN)/hitjoints plan --robot path/to/your_arm.urdf        the same for your arm"
+	@echo "  $(BIN)/hitjoints hit --goal 0.5,0.4,0.5 --restitution 0.5 --friction 0.3 --out out/hit    a box, from A to B"
+	@echo "  $(BIN)/hitjoints sweep joint --plot out/fig2.png    inertia, speed and flux of each joint (the paper's Fig. 2)"
+	@echo "  $(BIN)/hitjoints plan --robot path/to/your_arm.urdf    the same for your arm"
 
 test: $(VENV)/ready
 	$(BIN)/python -m pytest
@@ -39,6 +39,10 @@ bench: $(VENV)/ready
 docs: $(VENV)/ready
 	$(BIN)/sphinx-build -W -q -b html docs docs/_build/html
 	@echo "docs/_build/html/index.html"
+
+# The pictures of the documentation, again.
+figures: $(VENV)/ready
+	$(BIN)/python docs/make_figures.py
 
 clean:
 	rm -rf $(VENV) $(LOWEST) build dist out docs/_build *.egg-info

@@ -91,19 +91,24 @@ def against_authors(controller: Controller, q0: Array) -> list[Row | Remark]:
     )
 
 
-def count_violations(count: int, *, torque_limits: bool = False) -> dict[str, Any]:
+def count_violations(count: int, **kept: bool) -> dict[str, Any]:
     """Return the violations over random rollouts, and how these ended."""
     begin, ends = time.perf_counter(), Counter[str]()
-    violations = steps = braked = 0
-    for result in random_rollouts(count, torque_limits=torque_limits):
+    violations = steps = braked = emergencies = 0
+    times: list[float] = []
+    for result in random_rollouts(count, **kept):
         violations += broken_limits(result)
         steps += len(result.rows["q"])
         braked += result.braked_steps
+        emergencies += int(result.rows["emergency"].sum())
+        times += result.step_times.tolist()
         ends[result.reason.split(" ")[0] or "hit"] += 1
     seconds = time.perf_counter() - begin
     return {"rollouts": count, "steps": steps, "violations": violations, "braked": braked} | {
         "ends": dict(ends),
+        "emergencies": emergencies,
         "seconds": seconds,
+        "step_us_median": 1e6 * statistics.median(times),
     }
 
 
@@ -144,4 +149,7 @@ if __name__ == "__main__":
         print(figure)
     print(count_violations(rollouts))
     print("with torque limits:", count_violations(rollouts, torque_limits=True))
+    print("with acceleration limits:", count_violations(rollouts, acceleration_limits=True))
+    both = count_violations(rollouts, torque_limits=True, acceleration_limits=True)
+    print("with both:", both)
     print(judge_hits(hits))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from benchmarks.harness import Row
 from benchmarks.report import Result
-from hitjoints.show.figures import COLOURS
+from hitjoints.show.style import COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

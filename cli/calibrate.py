@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .complaints import complain
-from .options import JsonOption, PlotOption, check_outputs
+from .figure_options import FigureOptions
+from .options import JsonOption, check_outputs
 from .output_options import tell_written
 from .render import print_json, print_table
 
@@ -27,9 +28,10 @@ def calibrate(
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="FILE", help="Write the [object] part of a hit: .toml."),
+        typer.Option("--out", metavar="FILE", help="Write the object part of a hit.toml."),
     ] = None,
-    plot: PlotOption = None,
+    *,
+    figure: FigureOptions,
     as_json: JsonOption = False,
 ) -> None:
     """Find an object's restitution and friction, and how well its landings can be foreseen.
@@ -39,24 +41,22 @@ def calibrate(
     """
     from hitjoints.datasets.files import write_whole
     from hitjoints.evidence.calibration.past_hits import calibrate as find
+    from hitjoints.show import figures
 
-    check_outputs(plot, (out, "out", (".toml",)), inputs=files)
+    check_outputs(figure.plot, (out, "out", (".toml",)), inputs=files)
+    figure.check_look()
     result = find(files, restitution=restitution)
     if out is not None:
         text = result.toml() + "\n"
         write_whole(out, "out", lambda path: path.write_text(text, encoding="utf-8"))
-    if plot is not None:
-        from hitjoints.show.calibration_figure import draw_calibration
-        from hitjoints.show.figures import save_figure
-
-        save_figure(draw_calibration(result), plot)
+    figure.save(figures.calibration, result)
     if as_json:
         print_json(result.as_dict())
     else:
         _print(result)
     for note in result.notes:
         complain("note", note)
-    tell_written(out, plot)
+    tell_written(out, figure.plot)
 
 
 def _print(result: Calibration) -> None:

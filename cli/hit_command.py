@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import typer
 
 from .complaints import complain
+from .figure_options import FigureOptions
 from .hit_options import FLUX, HitOptions
 from .impact_options import ImpactOptions, inertia_rows
 from .option_groups import OptionGroup, without
@@ -126,6 +127,7 @@ def hit(
     hit: Annotated[HitOptions, without("file")],
     impact: Annotated[ImpactOptions, without("restitution")],
     how: AnswerOptions,
+    look: Annotated[FigureOptions, without("plot")],
     file: Annotated[Path | None, typer.Argument(metavar="[FILE]", help="hit.toml to read.")] = None,
 ) -> None:
     """Take a wish to its verdict: the joint, a motion that can be sent, where the object ends.
@@ -140,6 +142,7 @@ def hit(
         if how.as_json:
             print_json({"hit": load_hit(how.new).as_dict(), "files": [str(how.new)]})
         return
+    look.check_look(drawn=how.out is not None)
     if how.out is not None:
         _check_folder(how.out, file)
     asked = replace(hit, file=file).read()
@@ -151,7 +154,7 @@ def hit(
     if file is None and wanted.flux is None:
         wanted = wanted.changed(flux=FLUX)
     found = answer(wanted, arm, simulated=how.simulate)
-    files, told = ([], found.as_dict()) if how.out is None else _write(found, how.out)
+    files, told = ([], found.as_dict()) if how.out is None else _write(found, how.out, look)
     if how.as_json:
         print_json(told | {"files": [str(path) for path in files]})
     else:
@@ -184,7 +187,7 @@ def _check_folder(out: Path, file: Path | None) -> None:
         raise InputError("out", out, "the file that is read would be overwritten")
 
 
-def _write(found: Answer, out: Path) -> tuple[list[Path], dict[str, Any]]:
+def _write(found: Answer, out: Path, look: FigureOptions) -> tuple[list[Path], dict[str, Any]]:
     """Write what there is of the answer; return the files, and the answer as JSON."""
     import json
 
@@ -193,7 +196,7 @@ def _write(found: Answer, out: Path) -> tuple[list[Path], dict[str, Any]]:
     out.mkdir(exist_ok=True)
     parts = found.hits or (found,)
     folders = [out] if len(parts) == 1 else [out / f"hit_{k + 1}" for k in range(len(parts))]
-    written = [_write_hit(one, folder) for one, folder in zip(parts, folders, strict=True)]
+    written = [_write_hit(one, folder, look) for one, folder in zip(parts, folders, strict=True)]
     told: dict[str, Any] = plain(found.as_dict(*(paths[1:3] for paths in written)))
     found.hit.save(out / WISH)
     text = json.dumps(told, allow_nan=False, indent=1) + "\n"
@@ -201,10 +204,10 @@ def _write(found: Answer, out: Path) -> tuple[list[Path], dict[str, Any]]:
     return [out / WISH, *(path for paths in written for path in paths), out / ANSWER], told
 
 
-def _write_hit(one: Answer, folder: Path) -> list[Path]:
+def _write_hit(one: Answer, folder: Path, look: FigureOptions) -> list[Path]:
     """Write plan, motion and picture of one hit; of a no, the plan."""
-    from hitjoints.show.answer_figure import draw_answer
-    from hitjoints.show.figures import save_figure
+    from hitjoints.show import figures
+    from hitjoints.show.sheet import save_figure
 
     folder.mkdir(exist_ok=True)
     plan, csv, ros, figure = (folder / name for name in FILES)
@@ -213,7 +216,7 @@ def _write_hit(one: Answer, folder: Path) -> list[Path]:
         return [plan]
     one.swing.save(csv)
     one.swing.save(ros)
-    save_figure(draw_answer(one), figure)
+    save_figure(figures.answer(one, **look.look), figure)
     return [plan, csv, ros, figure]
 
 

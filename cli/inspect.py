@@ -13,6 +13,7 @@ from .option_groups import without
 from .options import ConfigurationOption, JsonOption, numbers
 from .render import print_json, print_table
 from .robot_options import RobotOptions
+from .start_options import StartOptions
 
 if TYPE_CHECKING:
     import numpy as np
@@ -25,20 +26,26 @@ def inspect(
     robot: RobotOptions,
     hit: Annotated[HitOptions, without("flux", "object_speed", "restitution")],
     impact: ImpactOptions,
+    start: Annotated[StartOptions, without("q0", "start", "torque_limits", "seed")],
     q: ConfigurationOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Show position, inertia, gradient, speed and flux at one configuration.
 
-    With --impact, what the arm shows in a hit at its greatest speed, by models of its drives.
+    It is --q, that of --plan, one that holds the joint at --object, or home. With --impact, what
+    the arm shows in a hit at its greatest speed, by models of its drives.
     """
     from hitjoints.errors import InfeasibleError
 
     impact.check()
-    asked = hit.read(restitution=impact.restitution)
+    plan = start.planned()
+    asked = hit.read(plan, restitution=impact.restitution)
     arm = robot.load()
     contact = asked.contact(arm)
-    configuration = _configuration(arm, contact, hit, asked, q)
+    if plan is not None and q is None:
+        configuration = start.arguments(plan, asked.hit(contact), arm)["q_hit"]
+    else:
+        configuration = _configuration(arm, contact, hit, asked, q)
     try:
         result = _quantities(arm, configuration, contact, asked.direction, asked.mass)
         reason = None

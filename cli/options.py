@@ -59,6 +59,14 @@ def triple(text: str, argument: str) -> tuple[float, float, float]:
     return values[0], values[1], values[2]
 
 
+def for_joints(text: str | None) -> list[float] | float | None:
+    """Read one number for all joints, or "x1,x2,..." for each."""
+    if text is None:
+        return None
+    values = numbers(text)
+    return values[0] if len(values) == 1 else values
+
+
 def check_outputs(
     plot: Path | None,
     *outputs: tuple[Path | None, str, tuple[str, ...]],
@@ -75,7 +83,7 @@ def check_outputs(
         InputError: an ending is not one of those, a path cannot be written to, or two are one.
     """
     from hitjoints.datasets.files import check_apart, check_writable
-    from hitjoints.show.figures import FIGURE_ENDINGS
+    from hitjoints.show.style import FIGURE_ENDINGS
 
     asked = []
     for path, argument, endings in (*outputs, (plot, "plot", FIGURE_ENDINGS)):
@@ -91,6 +99,14 @@ ConfigurationOption = Annotated[
 TorquesOption = Annotated[
     bool,
     typer.Option("--torque-limits", help="Keep the effort limits too: start at rest, speed up."),
+]
+AccelerationOption = Annotated[
+    str | None,
+    typer.Option(
+        "--acceleration",
+        metavar="A|A1,A2,...",
+        help="Acceleration limits (rad/s^2), for all joints or each. (default: the robot's)",
+    ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")]
 OutOption = Annotated[

@@ -4,28 +4,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import typer
 
 from .complaints import complain
-from .option_groups import OptionGroup
+from .figure_options import FigureOptions
 from .options import check_outputs
 
 
 @dataclass(frozen=True)
-class OutputOptions(OptionGroup):
+class OutputOptions(FigureOptions):
     """A data set, a figure, JSON instead of a table."""
-
-    panel: ClassVar[str] = "Output"
 
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="FILE", help="Write the data set: .zarr, .nc or .csv."),
-    ] = None
-    plot: Annotated[
-        Path | None,
-        typer.Option("--plot", metavar="FILE", help="Draw the figure: .png, .pdf or .svg."),
     ] = None
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False
 
@@ -38,6 +32,7 @@ class OutputOptions(OptionGroup):
         from hitjoints.datasets.files import DATASET_ENDINGS
 
         check_outputs(self.plot, (self.out, "out", DATASET_ENDINGS), inputs=inputs)
+        self.check_look()
 
     def tell(self, *more: Path | None) -> None:
         """Say on stderr what was written."""

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import typer
 
 from .complaints import complain
+from .figure_options import FigureOptions
 from .hit_options import HitOptions
 from .impact_options import ImpactOptions
 from .option_groups import OptionGroup, without
 from .options import (
     JsonOption,
-    PlotOption,
     SeedOption,
     TorquesOption,
     check_outputs,
@@ -131,15 +131,12 @@ class RoomOptions(OptionGroup):
 
 
 @dataclass(frozen=True)
-class PlanOutputs(OptionGroup):
+class PlanOutputs(FigureOptions):
     """The plan, a figure, JSON instead of a table."""
-
-    panel: ClassVar[str] = "Output"
 
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE", help="Write the plan: .json.")
     ] = None
-    plot: PlotOption = None
     as_json: JsonOption = False
 
 
@@ -157,10 +154,11 @@ def plan(
     without a certificate; by elastic each joint's best configuration of the links is ranked again.
     """
     from hitjoints.planning.planner import plan_hit
-    from hitjoints.planning.room.surroundings import Surroundings
+    from hitjoints.show import figures
 
     asked = hit.read(restitution=impact.restitution)
     check_outputs(output.plot, (output.out, "out", (".json",)), inputs=[robot.robot, hit.file])
+    output.check_look()
     arm = robot.load()
     setting = aim.setting() | room.setting() | {"deliverable": aim.deliverable(arm)}
     setting |= impact.setting()
@@ -170,11 +168,8 @@ def plan(
     plot = None if planned.best is None else output.plot
     if output.out is not None:
         planned.save(output.out)
-    if plot is not None:
-        from hitjoints.show.figures import save_figure
-        from hitjoints.show.plan_figure import draw_plan
-
-        save_figure(draw_plan(arm, planned, Surroundings.of(wanted).object_size), plot)
+    if planned.best is not None:
+        output.save(figures.plan, planned, arm)
     if output.as_json:
         print_json(result)
     else:

@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .complaints import complain
+from .figure_options import FigureOptions
 from .hit_options import check_mass
 from .impact_options import RotorOption, StiffnessOption, of_joints
 from .option_groups import without
-from .options import JsonOption, OutOption, PlotOption, check_outputs, numbers, triple
+from .options import JsonOption, OutOption, check_outputs, numbers, triple
 from .render import print_json, print_table
 from .robot_options import RobotOptions
 
@@ -82,7 +83,7 @@ def replay(  # noqa: PLR0913
     stiffness: StiffnessOption = None,
     rotor_inertia: RotorOption = None,
     out: OutOption = None,
-    plot: PlotOption = None,
+    figure: FigureOptions,
     as_json: JsonOption = False,
 ) -> None:
     """Compare recorded hits with the model: inertia, flux, speeds, restitution.
@@ -93,10 +94,12 @@ def replay(  # noqa: PLR0913
     from hitjoints.datasets.files import DATASET_ENDINGS, write_dataset
     from hitjoints.evidence.recordings.hit_files import read_by
     from hitjoints.evidence.recordings.replayer import replay as compare
+    from hitjoints.show import figures
 
     if mass is not None:
         check_mass(mass)
-    check_outputs(plot, (out, "out", DATASET_ENDINGS), inputs=[*read_by(files or ()), robot])
+    check_outputs(figure.plot, (out, "out", DATASET_ENDINGS), inputs=[*read_by(files or ()), robot])
+    figure.check_look()
     with _progress() as progress:
         result = compare(
             files or None,
@@ -116,16 +119,12 @@ def replay(  # noqa: PLR0913
 
         # A table has one line per hit; what is along the motions needs more dimensions.
         write_dataset(hits_dataset(result.hits, along=out.suffix != ".csv"), out)
-    if plot is not None:
-        from hitjoints.show.figures import save_figure
-        from hitjoints.show.replay_figure import draw_replay
-
-        save_figure(draw_replay(result), plot)
+    figure.save(figures.replay, result)
     if as_json:
         print_json(result.as_dict())
     else:
         _print(result)
-    for path in (out, plot):
+    for path in (out, figure.plot):
         if path is not None:
             complain("written", str(path))
     if not result.usable:

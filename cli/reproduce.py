@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .complaints import complain
+from .figure_options import FigureOptions
+from .option_groups import without
 from .options import JsonOption
 from .render import print_json, print_table
 
@@ -28,6 +30,8 @@ def reproduce(
         Path,
         typer.Option("--out", metavar="DIR", help="Folder for the figures and the table."),
     ] = Path("reproduction"),
+    *,
+    look: Annotated[FigureOptions, without("plot")],
     as_json: JsonOption = False,
 ) -> None:
     """Repeat the paper's experiments: its figures, and every number it prints beside ours.
@@ -40,10 +44,11 @@ def reproduce(
 
     if figure not in CHOICES:
         raise typer.BadParameter(f"{figure!r} is not one of {', '.join(CHOICES)}")
+    look.check_look(drawn=True)
     _make_folder(out)
     result = repeat(figure, progress=lambda what: complain("progress", what))
     complain("progress", "drawing")
-    written = _write(result, out)
+    written = _write(result, out, look)
     if as_json:
         print_json(result.as_dict() | {"written": [str(path) for path in written]})
     else:
@@ -69,14 +74,14 @@ def _make_folder(out: Path) -> None:
         raise InputError("out", out, "the folder cannot be written to (permission denied)")
 
 
-def _write(result: Reproduction, out: Path) -> list[Path]:
+def _write(result: Reproduction, out: Path, look: FigureOptions) -> list[Path]:
     from hitjoints.datasets.files import write_whole
     from hitjoints.evidence.paper.table import as_csv, as_markdown
-    from hitjoints.show.figures import save_figure
-    from hitjoints.show.paper_figures import draw_reproduction
+    from hitjoints.show import figures
+    from hitjoints.show.sheet import save_figure
 
     written = []
-    for name, figure in draw_reproduction(result).items():
+    for name, figure in figures.reproduction(result, **look.look).items():
         for ending in (".png", ".pdf"):
             written.append(out / f"{name}{ending}")
             save_figure(figure, written[-1], "out")

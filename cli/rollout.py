@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
 from .complaints import complain
 from .hit_options import HitOptions
 from .option_groups import OptionGroup
+from .options import AccelerationOption, for_joints
 from .output_options import OutputOptions
 from .render import print_json, print_table
 from .robot_options import RobotOptions
@@ -41,6 +42,19 @@ class LawOptions(OptionGroup):
     dt: Annotated[
         float, typer.Option("--dt", metavar="S", help="Control step, 2e-5 to 0.05 s.")
     ] = 0.002
+    acceleration_limits: Annotated[
+        bool,
+        typer.Option(
+            "--acceleration-limits", help="Keep acceleration limits too: start at rest, speed up."
+        ),
+    ] = False
+    acceleration: AccelerationOption = None
+
+    def arguments(self) -> dict[str, Any]:
+        """Return the arguments of `rollout` for the motion; given limits are kept."""
+        given = asdict(self)
+        told = for_joints(given.pop("acceleration"))
+        return given if told is None else given | {"acceleration_limits": told}
 
 
 def rollout(
@@ -55,20 +69,23 @@ def rollout(
     Without --plan, --q0 or --start it plans the configuration, the start and the run-up first.
     """
     from hitjoints.rollouts.follow import rollout as roll
+    from hitjoints.show import figures
 
     output.check(robot.robot, start.plan, hit.file)
     planned = start.planned()
     asked = hit.read(planned)
     arm = robot.load()
     wanted = asked.flux_hit(arm)
-    result = roll(arm, wanted, **start.arguments(planned, wanted, arm), **asdict(motion))
-    _write(result, output.out, output.plot)
+    result = roll(arm, wanted, **start.arguments(planned, wanted, arm), **motion.arguments())
+    _write(result, output.out)
+    output.save(figures.rollout, result)
     if output.as_json:
         said = {
             "robot": robot.robot,
             "joint": arm.contact(wanted.chosen_contact).joint,
             "flux": wanted.flux,
             "torque_limits": start.torque_limits,
+            "acceleration_limits": result.parameters.get("acceleration_limits"),
         }
         print_json(said | result.as_dict())
     else:
@@ -81,18 +98,13 @@ def rollout(
         raise typer.Exit(3)
 
 
-def _write(result: Rollout, out: Path | None, plot: Path | None) -> None:
+def _write(result: Rollout, out: Path | None) -> None:
     if out is not None:
         from hitjoints.datasets.files import write_dataset
         from hitjoints.rollouts.record import flattened
 
         dataset = result.dataset
         write_dataset(flattened(dataset) if out.suffix == ".csv" else dataset, out)
-    if plot is not None:
-        from hitjoints.show.figures import save_figure
-        from hitjoints.show.rollout_figure import draw_rollout
-
-        save_figure(draw_rollout(result), plot)
 
 
 def _print(result: Rollout) -> None:

@@ -104,9 +104,13 @@ class SettingOptions(OptionGroup):
         ),
     ] = None
     elastic: Annotated[
-        bool,
-        typer.Option("--elastic", help="Motors on springs; then a contact lasts 0.01 s."),
-    ] = False
+        bool | None,
+        typer.Option(
+            "--elastic/--no-elastic",
+            help="Motors on springs; then a contact lasts 0.01 s. "
+            "(default: if the hit reckons with them)",
+        ),
+    ] = None
     stiffness: StiffnessOption = None
     rotor_inertia: RotorOption = None
 
@@ -179,6 +183,7 @@ def simulate(
     why.
     """
     from hitjoints.evidence.physics.simulation import simulate as run
+    from hitjoints.show import figures
 
     output.check(robot.robot, start.plan, hit.file)
     planned = start.planned()
@@ -191,7 +196,8 @@ def simulate(
         result = run(_swing(arm, sized, given), **how.arguments())
     else:
         result = run(arm, wanted, **how.arguments(), **given)
-    _write(result, output.out, output.plot, output.animate)
+    _write(result, output.out, output.animate)
+    output.save(figures.simulation, result)
     if output.as_json:
         said = {"robot": robot.robot, "joint": result.impact.contact.joint, "flux": wanted.flux}
         print_json(said | result.as_dict())
@@ -214,7 +220,7 @@ def _swing(arm: Robot, hit: Hit, given: dict[str, Any]) -> Swing:
     return swing(arm, hit, q0=given["q0"], q_hit=given["q_hit"], seed=given["seed"])
 
 
-def _write(result: Simulation, out: Path | None, plot: Path | None, animate: Path | None) -> None:
+def _write(result: Simulation, out: Path | None, animate: Path | None) -> None:
     if out is not None:
         from hitjoints.datasets.files import write_dataset
         from hitjoints.rollouts.record import flattened
@@ -223,11 +229,6 @@ def _write(result: Simulation, out: Path | None, plot: Path | None, animate: Pat
         if out.suffix == ".csv":  # a table has one time: that of the contact
             dataset = flattened(dataset.drop_dims("slide_time", errors="ignore"))
         write_dataset(dataset, out)
-    if plot is not None:
-        from hitjoints.show.figures import save_figure
-        from hitjoints.show.simulation_figure import draw_simulation
-
-        save_figure(draw_simulation(result), plot)
     if animate is not None:
         from hitjoints.show.animation import save_animation
 

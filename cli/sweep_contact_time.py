@@ -52,6 +52,7 @@ def sweep_contact_time(  # noqa: PLR0913
     from hitjoints.errors import InputError
     from hitjoints.maps.contact_time_sweep import crossings
     from hitjoints.maps.contact_time_sweep import sweep_contact_time as sweep
+    from hitjoints.show import figures
 
     asked = hit.read(restitution=restitution)
     output.check(robot.robot, hit.file)
@@ -77,15 +78,10 @@ def sweep_contact_time(  # noqa: PLR0913
         from hitjoints.datasets.files import write_dataset
 
         write_dataset(swept, output.out)
-    if output.plot is not None:
-        from hitjoints.show.contact_time_figure import draw_contact_time_sweep
-        from hitjoints.show.figures import save_figure
-
-        save_figure(draw_contact_time_sweep(swept), output.plot)
+    output.save(figures.contact_time_sweep, swept)
     if map_plot is not None:
         from hitjoints.maps.winning_joint import winning_joint
-        from hitjoints.show.figures import save_figure
-        from hitjoints.show.winning_joint_figure import draw_winning_joint
+        from hitjoints.show.sheet import save_figure
 
         x, y = MAPPED
         found = winning_joint(
@@ -93,7 +89,7 @@ def sweep_contact_time(  # noqa: PLR0913
             restitution=restitution, joints=asked.contacts(arm), stiffness=of_joints(stiffness),
             rotor_inertia=of_joints(rotor_inertia), seed=seed,
         )  # fmt: skip
-        save_figure(draw_winning_joint(found), map_plot, "map")
+        save_figure(figures.winning_joint(found, **output.look), map_plot, "map")
     meet = [one for name in ("equivalent", "object_speed") for one in crossings(swept, name)]
     if output.as_json:
         joints = [

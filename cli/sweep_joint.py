@@ -35,6 +35,7 @@ def sweep_joint(
 ) -> None:
     """Turn each hitting joint at the object: inertia, speed and flux by its angle (Fig. 2)."""
     import hitjoints as hj
+    from hitjoints.show import figures
 
     asked = hit.read()
     output.check(robot.robot, hit.file)
@@ -55,11 +56,7 @@ def sweep_joint(
         from hitjoints.datasets.files import write_dataset
 
         write_dataset(swept, output.out)
-    if output.plot is not None:
-        from hitjoints.show.figures import save_figure
-        from hitjoints.show.joint_sweep_figure import draw_joint_sweep
-
-        save_figure(draw_joint_sweep(swept), output.plot)
+    output.save(figures.joint_sweep, swept)
     if output.as_json:
         print_json(_as_json(swept))
     else:

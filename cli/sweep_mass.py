@@ -34,6 +34,7 @@ def sweep_mass(
 ) -> None:
     """Plan with every joint for objects of several masses: which joint wins, and from where on."""
     import hitjoints as hj
+    from hitjoints.show import figures
 
     asked = hit.read()
     output.check(robot.robot, hit.file)
@@ -52,11 +53,7 @@ def sweep_mass(
         from hitjoints.datasets.files import write_dataset
 
         write_dataset(swept, output.out)
-    if output.plot is not None:
-        from hitjoints.show.figures import save_figure
-        from hitjoints.show.mass_sweep_figure import draw_mass_sweep
-
-        save_figure(draw_mass_sweep(swept), output.plot)
+    output.save(figures.mass_sweep, swept)
     crossings = _crossings(swept)
     if output.as_json:
         rows = {str(name): swept[name].values for name in ("joint", "mass", *swept.data_vars)}

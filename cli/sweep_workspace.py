@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import typer
 
 from .complaints import complain
+from .figure_options import FigureOptions
 from .hit_options import HitOptions
 from .option_groups import OptionGroup, without
-from .options import JsonOption, PlotOption, SeedOption, check_outputs, spaced
+from .options import JsonOption, SeedOption, check_outputs, spaced
 from .output_options import tell_written
 from .render import print_json, print_table
 from .robot_options import RobotOptions
@@ -63,10 +64,8 @@ class WorkOptions(OptionGroup):
 
 
 @dataclass(frozen=True)
-class MapOutputs(OptionGroup):
+class MapOutputs(FigureOptions):
     """The store, and copies of it."""
-
-    panel: ClassVar[str] = "Output"
 
     out: Annotated[
         Path | None,
@@ -82,7 +81,6 @@ class MapOutputs(OptionGroup):
     csv: Annotated[
         Path | None, typer.Option("--csv", metavar="FILE", help="Write a CSV file too.")
     ] = None
-    plot: PlotOption = None
     as_json: JsonOption = False
 
     def check(self, *inputs: str | Path | None) -> None:
@@ -93,6 +91,7 @@ class MapOutputs(OptionGroup):
         """
         stores = (self.out, "out", (".zarr",)), (self.netcdf, "nc", (".nc",))
         check_outputs(self.plot, *stores, (self.csv, "csv", (".csv",)), inputs=inputs)
+        self.check_look()
 
 
 def sweep_workspace(
@@ -141,15 +140,12 @@ def sweep_workspace(
 def write_map(arm: Robot, swept: Dataset, output: MapOutputs) -> None:
     """Write the copies and the picture of a map that are asked for."""
     from hitjoints.datasets.files import write_dataset
+    from hitjoints.show import figures
 
     for path, argument in ((output.netcdf, "nc"), (output.csv, "csv")):
         if path is not None:
             write_dataset(swept, path, argument)
-    if output.plot is not None:
-        from hitjoints.show.figures import save_figure
-        from hitjoints.show.workspace_figure import draw_workspace
-
-        save_figure(draw_workspace(arm, swept), output.plot)
+    output.save(figures.workspace, arm, swept)
 
 
 @contextmanager

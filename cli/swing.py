@@ -12,7 +12,7 @@ from .complaints import complain
 from .hit_options import HitOptions
 from .impact_options import ImpactOptions, inertia_rows
 from .option_groups import OptionGroup, without
-from .options import check_outputs, numbers, triple
+from .options import AccelerationOption, check_outputs, for_joints, triple
 from .output_options import OutputOptions
 from .render import print_json, print_table
 from .robot_options import RobotOptions
@@ -29,14 +29,7 @@ class SwingOptions(OptionGroup):
 
     panel: ClassVar[str] = "The motion"
 
-    acceleration: Annotated[
-        str | None,
-        typer.Option(
-            "--acceleration",
-            metavar="A|A1,A2,...",
-            help="Acceleration limits (rad/s^2), for all joints or each. (default: the robot's)",
-        ),
-    ] = None
+    acceleration: AccelerationOption = None
     jerk: Annotated[
         str | None,
         typer.Option(
@@ -69,8 +62,8 @@ class SwingOptions(OptionGroup):
     def arguments(self) -> dict[str, Any]:
         """Return the arguments of `swing` for its limits and surroundings."""
         return {
-            "acceleration": _limits(self.acceleration),
-            "jerk": _limits(self.jerk),
+            "acceleration": for_joints(self.acceleration),
+            "jerk": for_joints(self.jerk),
             "table_height": self.table_height,
             "margin": self.margin,
             "dt": self.dt,
@@ -112,6 +105,7 @@ class TrajectoryOutputs(OutputOptions):
         from hitjoints.export.trajectory import TRAJECTORY_ENDINGS
 
         check_outputs(self.plot, (self.out, "out", TRAJECTORY_ENDINGS), inputs=inputs)
+        self.check_look()
 
 
 def swing(
@@ -127,6 +121,7 @@ def swing(
     It keeps positions, velocities, accelerations, jerks, torques and clearance. What of these the
     robot does not tell is said.
     """
+    from hitjoints.show import figures
     from hitjoints.swings.make_swing import swing as make
 
     output.check(robot.robot, start.plan, hit.file)
@@ -148,32 +143,17 @@ def swing(
         complain("note", f"{arm.name} does not tell: {unknown}; not kept, or left out")
     for note in result.notes:
         complain("note", note)
-    _write(result, output.out, output.plot)
+    if output.out is not None:
+        from hitjoints.export.trajectory import write_trajectory
+
+        write_trajectory(result.trajectory, output.out)
+    output.save(figures.swing, result)
     if output.as_json:
         files = [str(path) for path in (output.out, output.plot) if path is not None]
         print_json({"robot": robot.robot} | result.as_dict() | {"files": files})
     else:
         _print(result)
     output.tell()
-
-
-def _limits(text: str | None) -> list[float] | float | None:
-    if text is None:
-        return None
-    values = numbers(text)
-    return values[0] if len(values) == 1 else values
-
-
-def _write(result: Swing, out: Path | None, plot: Path | None) -> None:
-    if out is not None:
-        from hitjoints.export.trajectory import write_trajectory
-
-        write_trajectory(result.trajectory, out)
-    if plot is not None:
-        from hitjoints.show.figures import save_figure
-        from hitjoints.show.swing_figure import draw_swing
-
-        save_figure(draw_swing(result), plot)
 
 
 def _print(result: Swing) -> None:

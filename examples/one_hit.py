@@ -1,14 +1,10 @@
 """Plan a hit with joint 6 of the iiwa 14, roll it out, and print what happens at the impact."""
 
-import numpy as np
-
 import hitjoints as hj
-from hitjoints.hit import Hit
-from hitjoints.rollouts.follow import rollout
 
 robot = hj.load_robot("iiwa14")
-hit = Hit(6, np.array([0.5, 0.3, 0.5]), np.array([0.0, 1.0, 0.0]), mass=2.0, flux=0.3)
-result = rollout(robot, hit)
+hit = hj.Hit(6, [0.5, 0.3, 0.5], [0, 1, 0], mass=2.0, flux=0.3)
+result = hj.rollout(robot, hit)
 impact = result.impact
 assert impact is not None, result.reason
 

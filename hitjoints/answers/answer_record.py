@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from hitjoints.datasets.describe import versions
+from hitjoints.plotted import Plotted
 from hitjoints.version import __version__
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ Verdict = Literal["sendable", "not sendable", "no"]
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class Answer(Plotted):
     """What became of a wish.
 
     Attributes:
@@ -41,6 +42,8 @@ class Answer:
         simulated: the first motion in the physics engine; None where that was not asked.
         hits: the answers of a sequence, hit by hit, where one may be made of several.
     """
+
+    drawn_by: ClassVar[str] = "answer"
 
     robot: Robot
     hit: Hit
@@ -139,7 +142,9 @@ class Answer:
 
 def _told(simulated: Simulation) -> dict[str, Any]:
     """Return what the engine says, and what was predicted of the same hit."""
+    rest = simulated.rest
     return simulated.simulated | {
+        "rest": None if rest is None else rest.as_dict(),
         "predicted": asdict(simulated.predicted),
         "errors": simulated.errors,
     }

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hitjoints.constants import GRAVITY
 from hitjoints.errors import InfeasibleError
-from hitjoints.goals.leaning import Response, respond
+from hitjoints.goals.coming_down import Afloat, come_down
+from hitjoints.goals.leaning import Response, respond, turned
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -92,17 +92,8 @@ class Boxes:
             1 / (moved.velocity[:, 0] - moved.spin * self.lever + moved.pitch * self.height)
         )
 
-    def sidewards(self) -> Array:
-        """Return how much of what the table gives sideways in the hit it has given at the end (N,).
-
-        The edge that slips sideways bears all the weight until the box has come down, and less than
-        all: it is lifted by what it got in the hit. The shock of coming down is at the other edge.
-        """
-        half, up = self.size[0] / 2, np.sign(self.height) * self.size[2] / 2
-        return np.asarray(2 * self.pitch_inertia / (self.mass * half * (half - self.friction * up)))
-
-    def obstacles(self, impulse: Array) -> list[str]:
-        """Return why boxes hit with impulses (N,) N s do not simply slide."""
+    def obstacles(self) -> list[str]:
+        """Return why boxes do not simply slide, however hard they are hit."""
         reasons = []
         lever, face = float(np.abs(self.lever).max()), self.size[1] / 2
         if lever > face:
@@ -113,12 +104,6 @@ class Boxes:
             reasons.append(
                 f"it would slide on its edge: friction x height / length is above {STEEPEST:g}"
             )
-        half, up = self.size[0] / 2, self.size[2] / 2
-        about_edge = self.pitch_inertia + self.mass * (half**2 + up**2)
-        energy = about_edge * (self.response.pitch * impulse) ** 2 / 2
-        lift = np.hypot(half, up) - up
-        if (energy > self.mass * GRAVITY * lift).any():
-            reasons.append(f"it would tip over: it is hit {abs(self.height):.3g} m off its centre")
         return reasons
 
 
@@ -129,18 +114,14 @@ class Departure:
     Attributes:
         velocity: (N, 2) m/s, of the centre, along the hitting direction and to its left.
         spin: (N,) rad/s about the vertical.
-        sliding: (N, 2) m/s, and
-        turning: (N,) rad/s, with which a box that had not pitched would come to the same rest:
-            while one pitches its weight on the table, and so friction, is less by what the table
-            gave it in the hit, so that in the end the table has only carried its weight.
         impulse: (N,) N s, along the face's normal.
+        down: what they do until they lie flat, in the axes of the face.
     """
 
     velocity: Array
     spin: Array
-    sliding: Array
-    turning: Array
     impulse: Array
+    down: Afloat
 
 
 def hit_boxes(boxes: Boxes, inertia: Array, speed: Array, restitution: Array) -> Departure:
@@ -157,19 +138,11 @@ def hit_boxes(boxes: Boxes, inertia: Array, speed: Array, restitution: Array) ->
     """
     closing = speed * np.cos(boxes.yaw)
     impulse = (1 + restitution) * closing / (1 / inertia + 1 / boxes.effective_mass())
-    reasons = boxes.obstacles(impulse)
+    moved = Response(*(impulse * part.T for part in boxes.response))
+    moved = moved._replace(velocity=moved.velocity.T)
+    down, reasons = come_down(boxes, moved), boxes.obstacles()
+    if down.tipped.any():
+        reasons.append(f"it would tip over: it is hit {abs(boxes.height):.3g} m off its centre")
     if reasons:
         raise InfeasibleError(f"the box would not simply slide: {'; '.join(reasons)}")
-    moved = impulse[:, None] * boxes.response.velocity
-    slides = np.column_stack((impulse / boxes.mass, boxes.sidewards() * moved[:, 1]))
-    velocity, sliding = (_turned(v, boxes.yaw) for v in (moved, slides))
-    spin = impulse * boxes.response.spin
-    turning = -impulse * boxes.lever / boxes.spin_inertia
-    return Departure(velocity, spin, sliding, turning, impulse)
-
-
-def _turned(vectors: Array, angle: Array) -> Array:
-    """Return vectors (N, 2) turned to the left by angles (N,)."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    x, y = vectors.T
-    return np.column_stack((cos * x - sin * y, sin * x + cos * y))
+    return Departure(turned(moved.velocity, boxes.yaw), moved.spin, impulse, down)

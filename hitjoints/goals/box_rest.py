@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from hitjoints.goals.box_hit import Boxes, Departure, hit_boxes
+from hitjoints.goals.leaning import turned
 from hitjoints.goals.sliding import Rest, Support, slide_to_rest
 from hitjoints.impact.shown_inertia import shown_mobility
 
@@ -152,10 +153,13 @@ def send_boxes(
     normal = np.column_stack((np.cos(boxes.yaw), np.sin(boxes.yaw))) @ level_axes(hit).T
     felt = 1 / np.einsum("na,ab,nb->n", normal, mobility, normal)
     left = hit_boxes(boxes, felt, speed, restitution)
+    down = left.down
     slid = slide_to_rest(
-        left.sliding, left.turning, boxes.size, boxes.friction, yaw=boxes.yaw, support=boxes.support
-    )
-    return left, slid
+        turned(down.moved.velocity, boxes.yaw), down.moved.spin, boxes.size, boxes.friction,
+        yaw=boxes.yaw + down.yaw, support=boxes.support,
+    )  # fmt: skip
+    way = slid.displacement + turned(down.way, boxes.yaw)
+    return left, replace(slid, displacement=way, yaw=slid.yaw + down.yaw)
 
 
 def level_axes(hit: Hit) -> Array:

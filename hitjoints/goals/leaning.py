@@ -14,6 +14,8 @@ import numpy as np
 from hitjoints.goals.sliding import support_nodes
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from hitjoints.goals.box_hit import Boxes
     from hitjoints.types import Array
 
@@ -36,6 +38,30 @@ class Response(NamedTuple):
     pitch: Array
 
 
+class Wrench(NamedTuple):
+    """What an edge's loads do, each for K shapes of them, in the axes of the face.
+
+    Attributes:
+        push: (N, K, 2), of the centre.
+        turned: (N, K), about the vertical.
+        pitched: (N, K), towards the normal.
+        rolled: (N, K), about the normal.
+    """
+
+    push: Array
+    turned: Array
+    pitched: Array
+    rolled: Array
+
+    def added(self, free: Response, boxes: Boxes, load: Array) -> Response:
+        """Return a response with loads (N, K) added to it."""
+        return Response(
+            free.velocity + np.einsum("nk,nkx->nx", load, self.push) / boxes.mass[:, None],
+            free.spin + (load * self.turned).sum(axis=1) / boxes.spin_inertia,
+            free.pitch + (load * self.pitched).sum(axis=1) / boxes.pitch_inertia,
+        )
+
+
 def respond(boxes: Boxes) -> Response:
     """Return how boxes answer to a unit impulse (1 N s) at the contact."""
     count, height = len(boxes.mass), boxes.height
@@ -46,61 +72,71 @@ def respond(boxes: Boxes) -> Response:
     )
     if height == 0:
         return free
-    edge = _Edge(boxes)
+    edge = Edge(boxes, np.full(count, np.sign(height)))
     slip = np.zeros((count, len(edge.across), 2))
     slip[..., 0] = 1.0
     moved = free
     for _ in range(ROUNDS):
-        moved = edge.hold(free, slip)
+        moved = edge.hold(free, slip, edge.ahead * free.pitch)
         before, slip = slip, edge.slip(moved)
         if np.abs(slip - before).max() < SETTLED:
             break
     return moved
 
 
-class _Edge:
+class Edge:
     """The edge over which boxes pitch: its points (J,), loads linear along it.
 
     Attributes:
-        ahead: m, of the centre.
+        side: (N,), 1 for the edge in front, -1 for the one behind.
+        ahead: (N,) m, of the centre.
+        down: (N,) m, below it.
         across: (J,) m, to the left.
         shapes: (2, J), of loads: even, and growing to the left.
     """
 
-    def __init__(self, boxes: Boxes) -> None:
+    def __init__(self, boxes: Boxes, side: Array, lift: ArrayLike = 0.0) -> None:
+        """Take the edge of boxes that are lifted about it by an angle (N,) rad."""
         nodes, weights = support_nodes(boxes.support)
-        self.boxes, self.down = boxes, boxes.size[2] / 2
-        self.ahead = np.sign(boxes.height) * boxes.size[0] / 2
+        half, up = boxes.size[0] / 2, boxes.size[2] / 2
+        self.boxes, self.side = boxes, side
+        self.reach = half * np.cos(lift) - up * np.sin(lift)
+        self.ahead = side * self.reach
+        self.down = np.broadcast_to(up * np.cos(lift) + half * np.sin(lift), side.shape)
         self.across = boxes.size[1] / 2 * nodes
         self.shapes = np.stack((weights, weights * nodes))
 
-    def hold(self, free: Response, slip: Array) -> Response:
-        """Return the response of boxes whose edge does not sink in.
+    def wrench(self, slip: Array) -> Wrench:
+        """Return what unit loads of each shape do while the edge's points slip.
+
+        Args:
+            slip: (N, J, 2) unit vectors.
+        """
+        drag = -self.boxes.friction[:, None, None] * slip
+        lift, ahead, down = self.shapes.sum(axis=1), self.ahead[:, None], self.down[:, None]
+        push = np.einsum("kj,njx->nkx", self.shapes, drag)
+        round_up = ahead * drag[..., 1] - self.across * drag[..., 0]
+        return Wrench(
+            push,
+            np.einsum("kj,nj->nk", self.shapes, round_up),
+            -down * push[..., 0] - ahead * lift,
+            self.shapes @ self.across + down * push[..., 1],
+        )
+
+    def hold(self, free: Response, slip: Array, wanted: Array) -> Response:
+        """Return the response of boxes that the table holds up at the edge, without a roll.
 
         Args:
             free: without the table.
             slip: (N, J, 2) unit vectors, directions in which the edge's points slip.
+            wanted: (N,), by how much the edge is to be raised.
         """
-        boxes = self.boxes
-        drag = -boxes.friction[:, None, None] * slip
-        push = np.einsum("kj,njx->nkx", self.shapes, drag)  # (N, 2, 2), by each load
-        lift = self.shapes.sum(axis=1)
-        turned = np.einsum("kj,nj->nk", self.shapes,
-                           self.ahead * drag[..., 1] - self.across * drag[..., 0])  # fmt: skip
-        pitched = -self.down * push[..., 0] - self.ahead * lift
-        rolled = self.shapes @ self.across + self.down * push[..., 1]
+        boxes, does = self.boxes, self.wrench(slip)
         mass, about = boxes.mass[:, None], boxes.pitch_inertia[:, None]
-        sinking = np.stack(
-            (lift / mass - self.ahead * pitched / about, rolled / boxes.roll_inertia[:, None]),
-            axis=1,
-        )
-        wanted = np.column_stack((self.ahead * free.pitch, np.zeros_like(free.pitch)))
-        load = np.linalg.solve(sinking, wanted[..., None])[..., 0]
-        return Response(
-            free.velocity + np.einsum("nk,nkx->nx", load, push) / mass,
-            free.spin + (load * turned).sum(axis=1) / boxes.spin_inertia,
-            free.pitch + (load * pitched).sum(axis=1) / boxes.pitch_inertia,
-        )
+        raised = self.shapes.sum(axis=1) / mass - self.ahead[:, None] * does.pitched / about
+        sinking = np.stack((raised, does.rolled / boxes.roll_inertia[:, None]), axis=1)
+        asked = np.column_stack((wanted, np.zeros_like(wanted)))
+        return does.added(free, boxes, np.linalg.solve(sinking, asked[..., None])[..., 0])
 
     def slip(self, moved: Response) -> Array:
         """Return the directions (N, J, 2) in which the edge's points slip."""
@@ -110,3 +146,10 @@ class _Edge:
         slip = np.stack(np.broadcast_arrays(along, aside[:, None]), axis=-1)
         length = np.linalg.norm(slip, axis=-1, keepdims=True)
         return np.asarray(slip / np.where(length > 0, length, 1.0))
+
+
+def turned(vectors: Array, angle: Array) -> Array:
+    """Return vectors (N, 2) turned to the left by angles (N,)."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    x, y = vectors.T
+    return np.column_stack((cos * x - sin * y, sin * x + cos * y))

@@ -68,6 +68,8 @@ class Brake:
         robot, limits, dt = self._robot, self._limits, self._dt
         within = robot.lower, robot.upper, robot.velocity_lower, robot.velocity_upper
         lower, upper = step_bounds(q, *within, dt)
+        if limits.accelerations is not None:
+            lower, upper, _ = limits.accelerations.near(qd, lower, upper)
         impulses, gentle = limits.impulses(q, qd), share * qd
 
         def possible(wanted: Array) -> bool:

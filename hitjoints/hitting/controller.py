@@ -17,6 +17,7 @@ import numpy as np
 from hitjoints.dynamics.contact_point import ContactPoint, State
 from hitjoints.errors import InputError, UnknownNameError
 from hitjoints.hit import Hit
+from hitjoints.hitting.acceleration_limits import AccelerationLimits
 from hitjoints.hitting.braking import Brake, Braked
 from hitjoints.hitting.compiled_step import CompiledStep, compiles
 from hitjoints.hitting.desired import DesiredInertia, Weighting
@@ -28,6 +29,7 @@ from hitjoints.hitting.step_length import wrong_step
 from hitjoints.hitting.step_tape import Setting
 from hitjoints.hitting.torque_limits import TorqueLimits
 from hitjoints.programs.joint_velocity import reachable_speed
+from hitjoints.programs.torque_rows import any_torque
 from hitjoints.vectors import real
 
 if TYPE_CHECKING:
@@ -63,9 +65,11 @@ class Controller:
             the line; Eq. 5 ("paper") slows down there, by 18 % at 2 mm with the default width.
         torque_limits: keep the robot's effort limits too, so that reaching a speed takes time, and
             keep able to stop before the position limits. With law="qp" only.
+        acceleration_limits: the same for accelerations: True for the robot's, or rad/s^2, one
+            number or (n,).
         compiled: take steps as one compiled call where its answer is proved right: ten times
             faster, after about half a second of compiling per robot and contact. Without llvmlite,
-            with torque limits or law="paper", steps are taken the other way.
+            with torque or acceleration limits or law="paper", steps are taken the other way.
 
     Raises:
         InputError: an argument cannot be used.
@@ -87,6 +91,7 @@ class Controller:
         posture: ArrayLike | None = None,
         speed_profile: Literal["paper", "constant"] = "constant",
         torque_limits: bool = False,
+        acceleration_limits: bool | ArrayLike = False,
         compiled: bool = True,
     ) -> None:
         if not (math.isfinite(dt) and SHORTEST <= dt <= 1.0 / RATE):
@@ -95,8 +100,9 @@ class Controller:
             raise UnknownNameError("reference", reference, ("constant", "optimised"))
         if not ((robot.velocity_lower <= 0) & (robot.velocity_upper >= 0)).all():
             raise InputError("robot", robot.name, "its velocity limits must allow standing still")
-        if torque_limits and law != "qp":
-            raise InputError("law", law, "torque limits are rows of the law 'qp'")
+        limited = acceleration_limits is not False
+        if law != "qp" and (torque_limits or limited):
+            raise InputError("law", law, "torque and acceleration limits take the law 'qp'")
         self.robot, self.hit, self.dt = robot, hit, float(dt)
         self.point = ContactPoint(robot, hit.chosen_contact)
         self.contact = self.point.contact
@@ -107,7 +113,9 @@ class Controller:
         self.posture = robot.within_limits(posture, "posture")
         self._field = HittingField(self.position, self.direction, speed_profile=speed_profile)
         self._law = law_named(law, robot.n)
-        self.torques = TorqueLimits(robot, self.dt) if torque_limits else None
+        told = None if acceleration_limits is True else acceleration_limits
+        self.accelerations = AccelerationLimits(robot, self.dt, told) if limited else None
+        self.torques = TorqueLimits(robot, self.dt, self.accelerations) if torque_limits else None
         self._brake = None if self.torques is None else Brake(robot, self.torques)
         self._desired = DesiredInertia(self.point, self.direction, self.dt, weighting)
         self._constant: float | None = None
@@ -118,7 +126,7 @@ class Controller:
         self._low, self._high, self._shape = robot.lower, robot.upper, (robot.n,)
         self._previous = np.zeros(robot.n)
         self._compiled: CompiledStep | None = None
-        if compiled and law == "qp" and not torque_limits and compiles():
+        if compiled and law == "qp" and not (torque_limits or limited) and compiles():
             self._compiled = CompiledStep(
                 robot,
                 self.contact,
@@ -177,8 +185,8 @@ class Controller:
 
         Args:
             q: (n,) rad, where the arm is.
-            qd: (n,) rad/s, how it moves, which only torque limits need to know; by default as
-                the last step asked, at first not at all.
+            qd: (n,) rad/s, how it moves, which only torque and acceleration limits need to know;
+                by default as the last step asked, at first not at all.
 
         Raises:
             InputError: q is outside the position limits by more than 1e-6 rad, or not finite.
@@ -194,12 +202,18 @@ class Controller:
         state = self.point.observe(q, self.direction)
         lower, upper = self.bounds(q)
         now = self._previous if qd is None else self._velocity(qd)
-        impulses = None
+        impulses, kept = None, True
         if self.torques is not None:
             impulses = self.torques.impulses(q, now)
             lower, upper = self.torques.bounds(q, now, impulses, lower, upper)
+        if self.accelerations is not None:
+            lower, upper = self.accelerations.stopping(q, lower, upper)
         pull = self.direction @ state.J
+        # What the next step reaches is no measure of what the field may ask for.
         wanted, reach = self.hit.speed(state.inertia), reachable_speed(pull, lower, upper)
+        if self.accelerations is not None:
+            lower, upper, kept = self.accelerations.near(now, lower, upper)
+            impulses = any_torque(q.size) if impulses is None else impulses
         out_of_reach = wanted > reach
         speed = reach if out_of_reach else wanted
         f = self._field(state.position, speed)
@@ -207,10 +221,10 @@ class Controller:
         if desired is None:
             desired = self._desired(q, state, f, pull, speed, out_of_reach, lower, upper, impulses)
         motion = self._law(state.J, f, self._wish(q, state, desired), lower, upper, impulses)
-        braked, safe = motion is None or not self._can_stop(q, motion.qd), True
+        braked, safe = motion is None or not self._can_stop(q, motion.qd), kept
         if motion is None or braked:
-            qd_slower, safe = self.slower(q, now)
-            motion = LawMotion(qd_slower, 0.0)
+            slower, stops = self.slower(q, now)
+            motion, safe = LawMotion(slower, 0.0), kept and stops
         self._previous = motion.qd
         along = float(pull @ motion.qd)
         self.last = Step(
@@ -245,8 +259,11 @@ class Controller:
         """
         if self._brake is not None:
             return self._brake.slower(q, qd, share)
-        lower, upper = self.bounds(q)
-        return Braked(np.minimum(np.maximum(share * qd, lower), upper), True)
+        (lower, upper), kept = self.bounds(q), True
+        if self.accelerations is not None:
+            stopping = self.accelerations.stopping(q, lower, upper)
+            lower, upper, kept = self.accelerations.near(qd, *stopping)
+        return Braked(np.minimum(np.maximum(share * qd, lower), upper), kept)
 
     def follow(self, q: Array, qd: Array) -> Array:
         """Return the configuration (n,) rad after a step at qd (n,) rad/s from q (n,) rad."""

@@ -48,7 +48,7 @@ class DesiredInertia:
         self._point, self._direction, self._dt = point, direction, dt
         self._by_gradient, self._ones = weighting == "gradient", np.ones(point.robot.n)
         self._program = WarmProgram(point.robot.n, 1)
-        self._limited = WarmProgram(2 * point.robot.n + 1, 1 + point.robot.n)  # qd, t, p
+        self._limited: WarmProgram | None = None  # qd, t, p
 
     def __call__(  # noqa: PLR0913
         self,
@@ -73,8 +73,8 @@ class DesiredInertia:
             saturated: it is the latter.
             lower: (n,) rad/s.
             upper: (n,) rad/s.
-            impulses: what the motors can do, if that is limited: then the flux row asks for as
-                much of the flux as they can give within the step.
+            impulses: what the motors can do, if that, or the change of velocities, is limited: then
+                the flux row asks for as much of the flux as can be had within the step.
         """
         weights = gradient_weights(state.gradient) if self._by_gradient else self._ones
         asked = WITHIN_REACH * speed if saturated else speed
@@ -87,7 +87,10 @@ class DesiredInertia:
             terms = most_flux_terms(state.J, f, pull, asked, weights, RHO)
             low = np.concatenate((lower, [BACKWARDS], -impulses.limit))
             high = np.concatenate((upper, [1.0], impulses.limit))
-            x = self._limited.solve(*with_impulses(terms, impulses), low, high)
+            terms = with_impulses(terms, impulses)
+            if self._limited is None:
+                self._limited = WarmProgram(low.size, terms.b.size)
+            x = self._limited.solve(*terms, low, high)
         if x is None:
             return state.inertia
         following = q + self._dt * x[: q.size]

@@ -25,7 +25,7 @@ FASTEST_ASTRAY = 100.0
 class LawMotion(NamedTuple):
     """A joint velocity (n,) rad/s within its bounds, and s in [0, 1]: J qd = s f.
 
-    With torque limits J qd = s f + e, e as small as they let it be.
+    With torque or acceleration limits J qd = s f + e, e as small as they let it be.
     """
 
     qd: Array
@@ -50,9 +50,9 @@ class VelocityLaw(Protocol):
             J: (3, n) m/rad.
             f: (3,) m/s, the field.
             posture: (n,) rad/s, wanted besides.
-            lower: (n,) rad/s, with lower <= 0 <= upper.
-            upper: (n,) rad/s, with lower <= 0 <= upper.
-            impulses: what the motors can do, if that is limited.
+            lower: (n,) rad/s, with lower <= 0 <= upper if there are no impulses.
+            upper: (n,) rad/s, with lower <= 0 <= upper if there are no impulses.
+            impulses: what the motors can do, if that, or the change of velocities, is limited.
         """
         ...
 
@@ -77,7 +77,7 @@ class QpLaw:
 
     def __init__(self, n: int) -> None:
         self._program = WarmProgram(n + 1, 3)
-        self._limited = WarmProgram(n + 1 + 3 + n, 3 + n)  # qd, s, e, p
+        self._limited: WarmProgram | None = None  # qd, s, e, p
         self._slack = np.full(3, FASTEST_ASTRAY)
 
     def __call__(
@@ -108,6 +108,8 @@ class QpLaw:
             terms = with_impulses(with_slack(terms, 3, ASTRAY), impulses)
             low = np.concatenate((lower, [0.0], -self._slack, -impulses.limit))
             high = np.concatenate((upper, [1.0], self._slack, impulses.limit))
+            if self._limited is None:
+                self._limited = WarmProgram(low.size, terms.b.size)
             x = self._limited.solve(*terms, low, high)
         return None if x is None else LawMotion(x[:n], unit * float(x[n]))
 

@@ -19,6 +19,7 @@ from hitjoints.programs.torque_rows import Impulses
 from hitjoints.programs.warm import ROWS
 
 if TYPE_CHECKING:
+    from hitjoints.hitting.acceleration_limits import AccelerationLimits
     from hitjoints.model.robot import Robot
     from hitjoints.types import Array
 
@@ -40,16 +41,20 @@ class TorqueLimits:
     Args:
         robot: the arm.
         dt: s.
+        accelerations: limits that a way to stop keeps, too.
 
     Raises:
         InputError: an effort limit is zero or not finite: the URDF does not tell it.
     """
 
-    def __init__(self, robot: Robot, dt: float) -> None:
+    def __init__(
+        self, robot: Robot, dt: float, accelerations: AccelerationLimits | None = None
+    ) -> None:
         for i in np.flatnonzero(~(np.isfinite(robot.effort) & (robot.effort > 0))):
             expected = "torque limits need finite effort limits above 0 N m for every joint"
             raise InputError("robot", f"{robot.name}, joint {i + 1}: {robot.effort[i]}", expected)
-        self._robot, self.dt = robot, dt
+        self._robot, self.dt, self.accelerations = robot, dt, accelerations
+        self._hardest = np.full(robot.n, np.inf) if accelerations is None else accelerations.rates
         # A certified answer may miss a row by ROWS; the limit holds all the same.
         whole = dt * robot.effort
         self._limit = whole - np.minimum(2 * ROWS, RESERVE * whole)
@@ -101,7 +106,8 @@ class TorqueLimits:
     def rates_alone(self, qd: Array, impulses: Impulses) -> Array:
         """Return the decelerations (n,) rad/s^2 that each joint could have if it braked alone."""
         left, M = self._left(qd, impulses), np.abs(impulses.M)
-        return np.asarray(np.min(left[:, None] / np.maximum(M, TINY), axis=0))
+        alone = np.min(left[:, None] / np.maximum(M, TINY), axis=0)
+        return np.asarray(np.minimum(alone, self._hardest))
 
     def can_stop(self, q: Array, qd: Array) -> bool:
         """Tell whether there is a way from q (n,) rad, qd (n,) rad/s to rest within the limits."""
@@ -129,8 +135,10 @@ class TorqueLimits:
         size, sign = np.abs(qd), np.sign(qd)
         if rates is None:
             easy = 0.5 * self._fastest / float(np.max(np.abs(M) @ self._fastest / left))
-            rates = np.maximum(easy, stopping_rate(room, size, self.dt))
+            rates = np.maximum(np.minimum(easy, self._hardest), stopping_rate(room, size, self.dt))
         elif (rates < stopping_rate(room, size, self.dt) * (1.0 - ROUNDING)).any():
+            return None
+        if (rates > self._hardest * (1.0 + ROUNDING)).any():
             return None
         if (np.abs(effects - M @ (sign * rates)) > most).any():
             return None

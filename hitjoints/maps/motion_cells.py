@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 
 from hitjoints.built import kernel_for
-from hitjoints.hit import LEAST_FLUX, Hit
+from hitjoints.hit import Hit
+from hitjoints.hit_checks import LEAST_FLUX
 from hitjoints.hitting.approach import ASKEW, MISSED
 from hitjoints.hitting.field import HittingField
 from hitjoints.maps.cells import Question, sample

@@ -1,9 +1,9 @@
-"""The start of a hit whose motors need a way to reach the speed: run with torque limits."""
+"""The start of a hit whose drives need a way to reach the speed: run with their limits."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -38,8 +38,9 @@ def accelerated(
     start: Start,
     longer: Callable[[float], Start] | None,
     settled: float,
+    kept: dict[str, Any],
 ) -> Start:
-    """Return a start from which the arm, at rest there, reaches the speed within its torques.
+    """Return a start from which the arm, at rest there, reaches the speed within its limits.
 
     The controller of rollouts is run from the start. If it does not reach the speed on the line,
     a longer run-up is tried.
@@ -51,6 +52,7 @@ def accelerated(
         start: feasible as far as velocities go.
         longer: makes a start of another run-up (m); none if the run-up is given.
         settled: m, lateral error allowed at the hit.
+        kept: the arguments of `Controller` that say which limits those are.
 
     Returns:
         A start with the path that was run, ending at the impact; or the last one tried, with the
@@ -62,7 +64,7 @@ def accelerated(
     for _ in range(MOST_TRIES):
         if not tried.feasible:
             break
-        run, why = run_from(robot, hit, tried.q, torque_limits=True)
+        run, why = run_from(robot, hit, tried.q, kept)
         shown = replace(tried, feasible=False, reason=why)
         if run is None:
             return shown
@@ -72,7 +74,7 @@ def accelerated(
         if run.impact is not None and (slow or not why):
             shown = replace(
                 shown,
-                reason=f"the torque limits let the contact reach {run.impact.speed:.3g} m/s of "
+                reason=f"the {_named(kept)} let the contact reach {run.impact.speed:.3g} m/s of "
                 f"{start.speed:.3g} m/s after a run-up of {tried.run_up:.3g} m from rest",
             )
         if longer is None:
@@ -83,12 +85,10 @@ def accelerated(
     return shown
 
 
-def run_from(robot: Robot, hit: Hit, q: Array, torque_limits: bool) -> tuple[Approach | None, str]:
+def run_from(robot: Robot, hit: Hit, q: Array, kept: dict[str, Any]) -> tuple[Approach | None, str]:
     """Return the controller's run from rest at q (n,) rad, and why it is no hit, if it is none."""
     try:
-        controller = Controller(
-            robot, hit, q, dt=CONTROL, torque_limits=torque_limits, compiled=False
-        )
+        controller = Controller(robot, hit, q, dt=CONTROL, compiled=False, **kept)
         if controller.torques is not None:
             controller.torques.check_start(q)
         run = Approach(controller, q)
@@ -96,6 +96,12 @@ def run_from(robot: Robot, hit: Hit, q: Array, torque_limits: bool) -> tuple[App
     except InfeasibleError as error:
         return None, error.reason
     return run, run.reason
+
+
+def _named(kept: dict[str, Any]) -> str:
+    words = {"torque_limits": "torque", "acceleration_limits": "acceleration"}
+    told = [word for name, word in words.items() if kept.get(name, False) is not False]
+    return f"{' and '.join(told)} limits"
 
 
 def _with_path(robot: Robot, start: Start, run: Approach) -> Start:

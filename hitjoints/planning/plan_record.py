@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from hitjoints.datasets.files import write_whole
 from hitjoints.errors import InfeasibleError, InputError
@@ -13,6 +13,7 @@ from hitjoints.model.robot import Contact
 from hitjoints.planning.candidates import Candidate, Verdict, plain
 from hitjoints.planning.start import Start
 from hitjoints.planning.torque_cost import TorqueCost
+from hitjoints.plotted import Plotted
 
 if TYPE_CHECKING:
     from hitjoints.hit import Hit
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Plan(Plotted):
     """The answer: one candidate per joint, and the best of them.
 
     Attributes:
@@ -35,6 +36,8 @@ class Plan:
         start: of the best hit, if it was asked for.
         torque_costs: of every candidate that can do it, if torque limits were asked for.
     """
+
+    drawn_by: ClassVar[str] = "plan"
 
     robot: str
     hit: Hit
@@ -130,10 +133,9 @@ class Plan:
         Raises:
             InputError: the plan does not know where it is from, or it has changed since.
         """
-        choice = self.hit.setting.robot
-        if choice is None:
+        if self.hit.setting.robot is None:
             raise InputError("robot", self.robot, "the plan does not say how to load it")
-        return self.check_robot(choice.load())
+        return self.check_robot(self.hit.setting.arm())
 
     def check_robot(self, robot: Robot) -> Robot:
         """Return a robot that is the one the plan was made for.
@@ -171,9 +173,9 @@ class Plan:
             InputError: it cannot be loaded, or is another than the plan was made for.
             InfeasibleError: no joint can do it.
         """
-        arm, hit = self.load_robot() if robot is None else self.check_robot(robot), self.chosen_hit
+        setting, hit = self.hit.setting, self.chosen_hit
+        arm = self.load_robot() if robot is None else setting.arm(self.check_robot(robot))
         assert self.best is not None
-        setting = self.hit.setting
         return arm, hit, {"q_hit": self.best.q, "q0": setting.q0, "seed": setting.seed}
 
     def __eq__(self, other: object) -> bool:

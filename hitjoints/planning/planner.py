@@ -13,12 +13,12 @@ from hitjoints.datasets.describe import origin
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.first_argument import by_first_argument
 from hitjoints.goals.landing import landing
-from hitjoints.hit import Hit, check_flux
-from hitjoints.hit_setting import HitSetting, RobotChoice
+from hitjoints.hit import Hit
+from hitjoints.hit_checks import check_flux
+from hitjoints.hit_setting import HitSetting, setting_of
 from hitjoints.hitting.drive_limits import drive_limits
 from hitjoints.impact.collision import required_speed
 from hitjoints.impact.drives import RIGID, Drives
-from hitjoints.loading.catalogue import robot_names
 from hitjoints.model.robot import Contact
 from hitjoints.planning.candidates import Candidate, Verdict
 from hitjoints.planning.joint_plan import plan_joint
@@ -147,9 +147,12 @@ def plan(  # noqa: PLR0913
     )
     alone = contacts[0] if len(contacts) == 1 else None
     named = None if joints is None or alone is not None else contacts
-    setting = _setting(robot, named, surroundings or Surroundings())
+    around = surroundings or Surroundings()
     setting = replace(
-        setting,
+        setting_of(robot, named),
+        object_size=around.object_size,
+        table_height=around.table_height,
+        margin=around.margin,
         objective=objective,
         deliverable=request.deliverable if flux is not None else None,
         away=away,
@@ -170,19 +173,6 @@ def plan(  # noqa: PLR0913
     )
 
 
-def _setting(robot: Robot, contacts: Sequence[Contact] | None, around: Surroundings) -> HitSetting:
-    """Return what a hit keeps of the arm, of several contacts, and of the surroundings."""
-    offsets = {contact.offset for contact in contacts or ()}
-    return HitSetting(
-        RobotChoice(robot.name) if robot.name in robot_names() else None,
-        None if contacts is None else tuple(contact.joint for contact in contacts),
-        next(iter(offsets)) if len(offsets) == 1 else None,
-        around.object_size,
-        around.table_height,
-        around.margin,
-    )
-
-
 @plan.register(Hit)
 def plan_hit(hit: Hit, robot: Robot | None = None, certificate: bool = True) -> Plan:
     """Choose the joint and the configuration for a hit that says all the rest itself.
@@ -193,10 +183,7 @@ def plan_hit(hit: Hit, robot: Robot | None = None, certificate: bool = True) -> 
         certificate: as `plan`.
     """
     setting = hit.setting
-    if robot is None:
-        if setting.robot is None:
-            raise InputError("robot", None, "the hit does not say with which arm")
-        robot = setting.robot.load()
+    robot = setting.arm(robot)
     asked, drives = setting.deliverable, setting.drives
     if hit.restitution is not None:
         drives = replace(drives, restitution=hit.restitution)
@@ -221,7 +208,7 @@ def plan_hit(hit: Hit, robot: Robot | None = None, certificate: bool = True) -> 
         drives=drives,
         arrives=partial(_arriving, robot, hit) if needs_goal else None,
     )
-    return replace(planned, hit=hit)
+    return replace(planned, hit=hit.made_by(robot))
 
 
 def _arriving(robot: Robot, hit: Hit, one: Candidate) -> float:

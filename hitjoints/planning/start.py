@@ -86,6 +86,7 @@ def plan_start(  # noqa: PLR0913
     lateral: float = 0.0,
     dt: float = 0.005,
     torque_limits: bool = False,
+    acceleration_limits: bool | ArrayLike = False,
 ) -> Start:
     """Plan where a hit starts, by moving back from the hitting configuration along the line.
 
@@ -104,12 +105,15 @@ def plan_start(  # noqa: PLR0913
         lateral: m, how far from the line the contact may be at the start, >= 0.
         dt: s, longest time between rows of the path.
         torque_limits: start at rest, far enough back for the motors to reach the speed.
+        acceleration_limits: start at rest, far enough back to reach the speed within these: True
+            for the robot's, or rad/s^2, one number or (n,).
 
     Raises:
         InputError: an argument cannot be used.
     """
-    if torque_limits:
-        return _from_rest(robot, q, contact, direction, speed, run_up, lateral, dt)
+    if torque_limits or acceleration_limits is not False:
+        kept = {"torque_limits": torque_limits, "acceleration_limits": acceleration_limits}
+        return _from_rest(robot, q, contact, direction, speed, run_up, lateral, dt, kept)
     h, here = unit(direction), position(robot, q, contact)
     speed, dt = _positive("speed", speed), _positive("dt", dt)
     if not (math.isfinite(lateral) and lateral >= 0):
@@ -142,7 +146,7 @@ def plan_start(  # noqa: PLR0913
     )
 
 
-def _from_rest(
+def _from_rest(  # noqa: PLR0913
     robot: Robot,
     q: ArrayLike,
     contact: Contact | int,
@@ -151,6 +155,7 @@ def _from_rest(
     run_up: float | None,
     lateral: float,
     dt: float,
+    kept: dict[str, Any],
 ) -> Start:
     def kinematic(run_up: float | None) -> Start:
         return plan_start(
@@ -159,7 +164,7 @@ def _from_rest(
 
     first = kinematic(run_up)
     longer = kinematic if run_up is None else None
-    return accelerated(robot, robot.contact(contact), unit(direction), first, longer, SETTLED)
+    return accelerated(robot, robot.contact(contact), unit(direction), first, longer, SETTLED, kept)
 
 
 def fastest_start(

@@ -84,7 +84,7 @@ def torque_cost(
             run_up = LONGER * start.run_up
             hit = Hit(contact, target.round(9), h, mass, share * most)
             for limited in (False, True):
-                run, why = run_from(robot, hit, start.q, limited)
+                run, why = run_from(robot, hit, start.q, {"torque_limits": limited})
                 struck = None if run is None or why else run.impact
                 if struck and struck.miss <= SETTLED and struck.direction_error <= STRAIGHT:
                     reached[limited] = max(reached.get(limited, 0.0), struck.flux)

@@ -21,7 +21,7 @@ class Impulses(NamedTuple):
     """The impulses p = M qd+ + b that one step demands of the joints, and their limits.
 
     Attributes:
-        M: (n, n) kg m^2.
+        M: (n, n) kg m^2, or no rows.
         b: (n,) N m s.
         limit: (n,) N m s, for both signs.
     """
@@ -33,6 +33,11 @@ class Impulses(NamedTuple):
     def allow(self, qd: Vector) -> bool:
         """Tell whether the step to qd (n,) rad/s is within the limits."""
         return bool((np.abs(self.M @ qd + self.b) <= self.limit).all())
+
+
+def any_torque(n: int) -> Impulses:
+    """Return the impulses of n joints that no torque limits: no rows."""
+    return Impulses(np.zeros((0, n)), np.zeros(0), np.zeros(0))
 
 
 def with_slack(terms: Terms, count: int, weight: float) -> Terms:
@@ -57,7 +62,7 @@ def with_impulses(terms: Terms, impulses: Impulses) -> Terms:
     H[:size, :size] = terms.H
     A = np.zeros((m + n, size + n))
     A[:m, :size] = terms.A
-    A[m:, :n] = impulses.M
+    A[m:, : impulses.M.shape[1]] = impulses.M
     A[m:, size:] = -np.eye(n)
     return Terms(
         H, np.concatenate((terms.c, np.zeros(n))), A, np.concatenate((terms.b, -impulses.b))

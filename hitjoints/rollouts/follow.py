@@ -18,6 +18,7 @@ from hitjoints.hitting.desired import Weighting
 from hitjoints.hitting.laws import LawName
 from hitjoints.hitting.step import Gains, Step
 from hitjoints.planning.plan_record import Plan
+from hitjoints.planning.planner import plan_hit
 from hitjoints.rollouts.prepare import by_links, prepare
 from hitjoints.rollouts.record import Rollout
 
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 FOLLOW_THROUGH = 0.2
 """s from the impact to rest, and"""
 LONGEST = 10
-"""times as long at most where torque limits slow the arm down as they can."""
+"""times as long at most where limits slow the arm down as they can."""
 
 
 @by_first_argument
@@ -49,6 +50,7 @@ def rollout(  # noqa: PLR0913
     gains: Gains | None = None,
     speed_profile: Literal["paper", "constant"] = "constant",
     torque_limits: bool = False,
+    acceleration_limits: bool | ArrayLike = False,
     seed: int = 0,
 ) -> Rollout:
     """Move an arm through a hit, kinematically: every joint follows its commanded velocity.
@@ -76,6 +78,7 @@ def rollout(  # noqa: PLR0913
         gains: see `Controller`.
         speed_profile: see `Controller`.
         torque_limits: see `Controller`.
+        acceleration_limits: see `Controller`.
 
     Returns:
         The result, with `impact` and `dataset`. It is no hit if `reason` is not empty: off the
@@ -87,6 +90,7 @@ def rollout(  # noqa: PLR0913
             object, or a dt too large for the speed.
         InfeasibleError: see `prepare`.
     """
+    asked = hit.made_by(robot, dt=dt, torque_limits=torque_limits, seed=seed)
     if q_hit is not None:
         hit = by_links(robot, hit, robot.within_limits(q_hit, "q_hit"))
     found = prepare(
@@ -97,6 +101,7 @@ def rollout(  # noqa: PLR0913
         q_hit=q_hit,
         run_up=run_up,
         torque_limits=torque_limits,
+        acceleration_limits=acceleration_limits,
         seed=seed,
     )
     hit = by_links(robot, hit, found.q_hit)
@@ -112,6 +117,7 @@ def rollout(  # noqa: PLR0913
         gains=gains,
         speed_profile=speed_profile,
         torque_limits=torque_limits,
+        acceleration_limits=acceleration_limits,
         compiled=False,
     )
     controller.check_step(found.q0)
@@ -121,7 +127,11 @@ def rollout(  # noqa: PLR0913
     approach.run()
     rows = approach.rows + _follow_through(controller, approach.q, approach.rows[-1][1].qd)
     steps = [step for _, step in approach.rows]
-    parameters = {"reference": reference, "law": law, "weighting": weighting, "dt": float(dt)}
+    parameters: dict[str, Any] = {"reference": reference, "law": law, "weighting": weighting}
+    parameters |= {"dt": float(dt), "speed_profile": speed_profile, "seed": seed}
+    parameters["torque_limits"] = torque_limits
+    if controller.accelerations is not None:
+        parameters["acceleration_limits"] = controller.accelerations.told.tolist()
     return Rollout(
         robot,
         hit,
@@ -134,8 +144,25 @@ def rollout(  # noqa: PLR0913
         sum(step.braked for step in steps),
         _columns(controller, rows, len(steps)),
         np.array(approach.times),
-        parameters | {"speed_profile": speed_profile, "torque_limits": torque_limits, "seed": seed},
+        parameters | {"hit": asked.made_by(robot, q0=found.q0, q_hit=found.q_hit).text},
     )
+
+
+@rollout.register(Hit)
+def _rollout_hit(hit: Hit, robot: Robot | None = None, **options: Any) -> Rollout:
+    """Make a hit as it says itself; one that does not say with which joint is planned first.
+
+    Args:
+        hit: what is asked, with the arm in its setting.
+        robot: the arm, if it is loaded already.
+        options: as `rollout`; they go before what the hit says.
+    """
+    if hit.contact is None:
+        return _rollout_plan(plan_hit(hit, robot), robot, **options)
+    names = ("q0", "q_hit", "dt", "torque_limits", "seed")
+    told = {name: getattr(hit.setting, name) for name in names}
+    told = {name: value for name, value in told.items() if value is not None}
+    return rollout(hit.setting.arm(robot), hit, **(told | options))
 
 
 @rollout.register(Plan)

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from hitjoints.model.robot import Robot
     from hitjoints.types import Array
 
+    Flags = NDArray[np.bool_]
+    Words = NDArray[np.object_]
+
 UNITS = {
     "time": ("s", "time of the impact"),
     "position": ("m", "contact point at the impact, robot base frame"),
@@ -77,8 +80,8 @@ class Rollouts:
 
     robot: Robot
     hits: tuple[Hit, ...]
-    reason: NDArray[np.object_]
-    why: NDArray[np.object_]
+    reason: Words
+    why: Words
     time: Array
     position: Array
     miss: Array
@@ -88,7 +91,7 @@ class Rollouts:
     speed: Array
     flux: Array
     q: Array
-    saturated: NDArray[np.bool_]
+    saturated: Flags
     q0: Array
     q_hit: Array
     steps: NDArray[np.int64]
@@ -106,17 +109,17 @@ class Rollouts:
         return len(self.hits)
 
     @property
-    def hit(self) -> NDArray[np.bool_]:
+    def hit(self) -> Flags:
         """(N,) whether each is the hit that was asked for."""
         return np.asarray(self.reason == "")
 
     @property
-    def sendable(self) -> NDArray[np.bool_]:
+    def sendable(self) -> Flags:
         """(N,) whether each keeps all known limits and ends at rest."""
         return np.asarray(self.why == "")
 
     @property
-    def within_limits(self) -> NDArray[np.bool_]:
+    def within_limits(self) -> Flags:
         """(N,) whether each keeps the position limits, to rounding, and the velocity limits."""
         ratio, beyond = self.velocity_ratio_max, self.position_violation_max
         return np.asarray((ratio <= 1.0) & (beyond <= 0.0))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -39,7 +39,7 @@ class Preparation(NamedTuple):
     q_hit: Array
 
 
-def prepare(
+def prepare(  # noqa: PLR0913
     robot: Robot,
     hit: Hit,
     *,
@@ -48,6 +48,7 @@ def prepare(
     q_hit: ArrayLike | None = None,
     run_up: float | None = None,
     torque_limits: bool = False,
+    acceleration_limits: bool | ArrayLike = False,
     seed: int = 0,
 ) -> Preparation:
     """Find what is not given: a hitting configuration that has the flux, and a start behind it.
@@ -61,6 +62,7 @@ def prepare(
         run_up: m, along the direction; what the field needs by default, and with torque limits
             the motors.
         torque_limits: a planned start has the way that the motors need to reach the speed.
+        acceleration_limits: the same for these; see `Controller`.
         seed: of the samples.
 
     Raises:
@@ -75,8 +77,9 @@ def prepare(
         begin = robot.within_limits(q0, "q0")
         end = placed(robot, point.contact, hit.position, begin) if q_hit is None else q_hit
         return Preparation(_behind(point, hit, begin, "q0"), _at_object(point, hit, end))
+    kept = {"torque_limits": torque_limits, "acceleration_limits": acceleration_limits}
     if q_hit is None:
-        q_hit, found = _planned(point, hit, run_up, torque_limits, seed)
+        q_hit, found = _planned(point, hit, run_up, kept, seed)
         if start is None:
             return Preparation(found.q, q_hit)
     q_hit = _at_object(point, hit, q_hit)
@@ -84,7 +87,7 @@ def prepare(
         begin = placed(robot, point.contact, points(start, "start"), q_hit)
         return Preparation(_behind(point, hit, begin, "start"), q_hit)
     _refuse_flux(point, hit, q_hit)
-    found = _start(point, hit, q_hit, run_up, torque_limits)
+    found = _start(point, hit, q_hit, run_up, kept)
     if not found.feasible:
         raise InfeasibleError(found.reason, {"run_up": found.run_up})
     return Preparation(found.q, q_hit)
@@ -106,7 +109,7 @@ def by_links(robot: Robot, hit: Hit, q: Array) -> Hit:
 
 
 def _planned(
-    point: ContactPoint, hit: Hit, run_up: float | None, torque_limits: bool, seed: int
+    point: ContactPoint, hit: Hit, run_up: float | None, kept: dict[str, Any], seed: int
 ) -> tuple[Array, Start]:
     """Return the hitting configuration of greatest straight flux that has a run-up, and that."""
     starts: list[Start] = []
@@ -114,7 +117,7 @@ def _planned(
     def has_run_up(q: Array) -> bool:
         if not starts:
             _refuse_flux(point, hit, q)  # the first is the best: none has more
-        starts.append(_start(point, hit, q, run_up, torque_limits))
+        starts.append(_start(point, hit, q, run_up, kept))
         return starts[-1].feasible or len(starts) >= TRIES
 
     planned = plan(
@@ -138,13 +141,13 @@ def _planned(
 
 
 def _start(
-    point: ContactPoint, hit: Hit, q: Array, run_up: float | None, torque_limits: bool
+    point: ContactPoint, hit: Hit, q: Array, run_up: float | None, kept: dict[str, Any]
 ) -> Start:
     robot, contact, h = point.robot, point.contact, hit.direction
     straight = hitting_speed(robot, q, contact, h, straight=True)
     # What the controller asks for too: at the very maximum round-off decides if there is a way.
     speed = min(hit.speed(point.inertia(q, h)), WITHIN_REACH * straight)
-    return plan_start(robot, q, contact, h, speed, run_up=run_up, torque_limits=torque_limits)
+    return plan_start(robot, q, contact, h, speed, run_up=run_up, **kept)
 
 
 def _refuse_flux(point: ContactPoint, hit: Hit, q: Array) -> None:

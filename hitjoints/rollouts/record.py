@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from hitjoints.datasets.describe import origin
+from hitjoints.plotted import Plotted
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -47,7 +48,7 @@ VARIABLES = {
 
 
 @dataclass(frozen=True, eq=False)
-class Rollout:
+class Rollout(Plotted):
     """A hit from its start to its end.
 
     Attributes:
@@ -64,6 +65,8 @@ class Rollout:
         step_times: (steps,) s, wall time of every control step.
         parameters: of the controller, kept in the data set.
     """
+
+    drawn_by: ClassVar[str] = "rollout"
 
     robot: Robot
     hit: Hit
@@ -105,9 +108,11 @@ class Rollout:
     def acceleration_ratio_max(self) -> float:
         """Greatest change of a velocity from step to step, in units of the acceleration limit.
 
-        The first is that from rest; nan if the robot does not tell its limits.
+        The first is that from rest. The limits are those that were kept, else the robot's; nan if
+        it does not tell them.
         """
-        most = self.robot.acceleration
+        kept = self.parameters.get("acceleration_limits")
+        most = np.array(kept) if kept else self.robot.acceleration
         if most is None:
             return math.nan
         steps = np.diff(self.rows["qd"], axis=0, prepend=0.0)

@@ -1,1 +1,3 @@
 """Figures, drawn with matplotlib."""
+
+from . import figures as figures

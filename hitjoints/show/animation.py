@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.datasets.files import check_writable, write_whole
-from hitjoints.dynamics.kinematics import position
-from hitjoints.show.drawn_arm import add_solid, draw_arm, set_view
+from hitjoints.show.drawn_arm import BoxAt, add_ground, arm_picture, chain
+from hitjoints.show.sheet import Sheet
+from hitjoints.show.style import Look
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from hitjoints.evidence.physics.simulated_hit import Simulation
+    from hitjoints.show.picture import Picture
     from hitjoints.types import Array
 
 ANIMATION_ENDINGS = (".gif",)
@@ -24,6 +26,10 @@ PICTURES = 120
 """At most; more would take minutes to draw, so a long slide passes faster."""
 PAUSE = 1.0
 """s, for which the last picture stays."""
+WIDTH, DOTS = 6.4, 90
+"""in, and dots per inch."""
+TABLE, TABLE_EDGE = "#CBB8A0", 0.12
+"""Colour, and how far it reaches beyond the box's way, m."""
 
 
 def save_animation(result: Simulation, path: Path) -> None:
@@ -36,22 +42,24 @@ def save_animation(result: Simulation, path: Path) -> None:
         InputError: another ending, or a path that cannot be written.
     """
     from matplotlib.animation import PillowWriter
-    from matplotlib.figure import Figure
 
     check_writable(path, "animate", ANIMATION_ENDINGS)
     film = _Film(result)
-    figure = Figure(figsize=(6.4, 5.6), layout="constrained")
-    axis = figure.add_subplot(projection="3d")
+    look = Look()
     writer = PillowWriter(fps=RATE)
 
     def write(made: Path) -> None:
-        with writer.saving(figure, str(made), dpi=80):
-            for time in film.times:
-                axis.clear()
-                film.draw(axis, time)
-                writer.grab_frame()
-            for _ in range(round(PAUSE * RATE)):
-                writer.grab_frame()
+        across, up = np.ptp(film.bounds, axis=1)
+        with look.applied():
+            figure = Sheet(look, figsize=(WIDTH, WIDTH * up / across + 0.4))
+            axis = figure.add_subplot()
+            with writer.saving(figure, str(made), dpi=DOTS):
+                for time in film.times:
+                    axis.clear()
+                    film.draw(axis, time)
+                    writer.grab_frame()
+                for _ in range(round(PAUSE * RATE)):
+                    writer.grab_frame()
 
     write_whole(path, "animate", write)
 
@@ -79,24 +87,33 @@ class _Film:
         self.times = np.linspace(self.arm_times[0], self.box_times[-1], count)
         self.slower = count / RATE / length
         robot, ends = motion.robot, self.q[[0, len(approach), -1]]
-        seen = [position(robot, q, k) for q in ends for k in range(1, robot.n + 1)]
-        seen += [position(robot, q, robot.flange) for q in ends]
-        boxes = [self.corners(time) for time in (self.times[0], self.times[-1])]
-        self.seen = np.vstack((np.zeros(3), seen, *boxes))
+        boxes = np.vstack([self.corners(time) for time in (self.times[0], self.times[-1])])
+        self.table = None if result.slide is None else _table_under(boxes)
+        self.seen = np.vstack((*(chain(robot, q) for q in ends), boxes))
+        shown = [self.picture(time).bounds() for time in (*self.times[[0, -1]], 0.0)]
+        self.bounds = np.stack([np.min(shown, axis=0)[:, 0], np.max(shown, axis=0)[:, 1]], axis=1)
 
-    def draw(self, axis: Any, time: float) -> None:
-        """Draw the moment on a cleared 3-D axis."""
+    def picture(self, time: float) -> Picture:
+        """Return what there is to see at a time (s)."""
         impact, robot = self.result.impact, self.result.motion.robot
         q = np.array([np.interp(time, self.arm_times, column) for column in self.q.T])
-        add_solid(axis, self.corners(time))
-        draw_arm(axis, robot, q, impact.contact, ellipsoid=False, view=False)
-        set_view(axis, self.seen)
         # From the side, a little from behind, so that the motion crosses the picture.
-        heading = np.degrees(np.arctan2(impact.direction[1], impact.direction[0]))
-        axis.view_init(elev=18, azim=heading - 115)
+        heading = float(np.degrees(np.arctan2(impact.direction[1], impact.direction[0])))
+        picture, _ = arm_picture(
+            robot, q, impact.contact, box=BoxAt(self.corners(time)), ellipsoid=False,
+            azimuth=heading - 115,
+        )  # fmt: skip
+        if self.table is not None:
+            picture.ground(self.table, TABLE)
+        add_ground(picture, self.seen)
+        return picture
+
+    def draw(self, axis: Any, time: float) -> None:
+        """Draw the moment on a cleared axis."""
+        self.picture(time).draw(axis, self.bounds)
         slow = f"{self.slower:.2g} x slower"
-        title = f"{robot.name}, {self.result.mode} hit: {1e3 * time:+.0f} ms, {slow}"
-        axis.set_title(title, fontsize="medium")
+        name = self.result.motion.robot.name
+        axis.set_title(f"{name}, {self.result.mode} hit: {1e3 * time:+.0f} ms, {slow}")
 
     def corners(self, time: float) -> Array:
         """Return the corners (8, 3) of the box."""
@@ -109,3 +126,15 @@ def _rotation(quaternion: Array) -> Array:
     import pinocchio as pin
 
     return np.asarray(pin.Quaternion(*quaternion).toRotationMatrix())
+
+
+def _table_under(boxes: Array) -> Array:
+    """Return the corners (4, 3) m of a table's top under boxes, corners (N, 3) m."""
+    (left, near, low), (right, far, _) = boxes.min(axis=0), boxes.max(axis=0)
+    left, near, right, far = (
+        left - TABLE_EDGE,
+        near - TABLE_EDGE,
+        right + TABLE_EDGE,
+        far + TABLE_EDGE,
+    )
+    return np.array([[left, near, low], [right, near, low], [right, far, low], [left, far, low]])

@@ -7,58 +7,54 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.dynamics.kinematics import position
-from hitjoints.show.drawn_arm import draw_arm
-from hitjoints.show.figures import colour_of
+from hitjoints.show.drawn_arm import BoxAt, add_ground, arm_picture, chain
+from hitjoints.show.plan_figure import OBJECT, draw_plan
+from hitjoints.show.sheet import Sheet, below, sheet
+from hitjoints.show.style import Look, colour_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
     from hitjoints.answers.answer_record import Answer
     from hitjoints.goals.landing import Landing
     from hitjoints.swings.swing_record import Swing
 
-BOX = (0.1, 0.1, 0.1)
-"""m, drawn for an object of unknown size."""
 SIGMAS = 2.0
 """The ellipse of the landing is drawn at so many standard deviations."""
-GHOST = "#9CA3AF"
+GHOST = "#6B7280"
 
 
-def draw_answer(answer: Answer) -> Figure:
-    """Return the figure of an answer that has a swing."""
-    from matplotlib.figure import Figure
-
-    swing, landing = answer.swing, answer.landing
-    assert swing is not None
-    figure = Figure(figsize=(14, 5), layout="constrained")
-    columns = figure.subplot_mosaic([["arm", "way", "limits"]], per_subplot_kw={
-        "arm": {"projection": "3d"}
-    }, width_ratios=[1.2, 1, 0.9])  # fmt: skip
-    _draw_arms(columns["arm"], swing)
-    _draw_way(columns["way"], swing, landing)
-    _draw_limits(columns["limits"], swing)
-    figure.suptitle(f"{answer.robot.name}: {swing.hit.words}\n{answer.words}", fontsize="medium")
+def draw_answer(answer: Answer, look: Look) -> Sheet:
+    """Return the figure of an answer: of its swing, or of its plan if there is none."""
+    swing = answer.swing
+    if swing is None:
+        return draw_plan(answer.plan, answer.robot, look)
+    figure, (arm, way, limits) = sheet(look, 3, 3, (4.6, 4.4))
+    _draw_arms(arm, swing)
+    draw_way(way, swing, answer.landing)
+    _draw_limits(limits, swing)
+    figure.headline(f"{answer.robot.name}: {swing.hit.words}\n{answer.words}")
     return figure
 
 
 def _draw_arms(axis: Axes, swing: Swing) -> None:
     """The arm at the impact, with thin lines where it starts and where it stops."""
-    robot, hit = swing.robot, swing.hit
-    size = BOX if hit.size is None else tuple(hit.size)
-    draw_arm(
-        axis, robot, swing.q_hit, hit.chosen_contact, hit.direction, object_size=size,
-        ellipsoid=False,
-    )  # fmt: skip
-    for q, style, name in ((swing.q0, "--", "start"), (swing.joints.q[-1], ":", "end")):
-        points = [position(robot, q, k) for k in range(1, robot.n + 1)]
-        chain = np.array([np.zeros(3), *points, position(robot, q, robot.flange)])
-        axis.plot(*chain.T, style, color=GHOST, lw=2, label=name)
-    axis.legend(frameon=False, fontsize="small", loc="upper left")
+    robot, hit, q = swing.robot, swing.hit, swing.q_hit
+    contact = robot.contact(hit.chosen_contact)
+    size = OBJECT if hit.size is None else hit.size
+    box = BoxAt.touched(robot, q, contact, hit.direction, size, hit.yaw)
+    picture, handles = arm_picture(robot, q, contact, hit.direction, box=box, ellipsoid=False)
+    for ends, style, name in ((swing.q0, "--", "start"), (swing.joints.q[-1], ":", "end")):
+        picture.line(chain(robot, ends), ls=style, color=GHOST, lw=1.5, label=name)
+    grid = add_ground(picture, np.vstack([chain(robot, q), chain(robot, swing.q0), box.corners]))
+    picture.draw(axis)
+    axis.set_title(f"at the hit; {grid}")
+    handles += axis.get_legend_handles_labels()[0]
+    below(axis, 0.5, 2, handles=handles)
 
 
-def _draw_way(axis: Axes, swing: Swing, landing: Landing | None) -> None:
-    """The table from above: the contact's way to the object, and the object's to its rest."""
+def draw_way(axis: Axes, swing: Swing, landing: Landing | None) -> None:
+    """Draw the table from above: the contact's way to the object, and the object's to its rest."""
     hit, robot = swing.hit, swing.robot
     contact = hit.chosen_contact
     every = max(1, len(swing.joints.q) // 200)
@@ -78,8 +74,8 @@ def _draw_way(axis: Axes, swing: Swing, landing: Landing | None) -> None:
         axis.plot(*landing.goal[:2], "x", color="black", label="goal")
     axis.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
     axis.set_aspect("equal", adjustable="datalim")
-    axis.legend(frameon=False, fontsize="small", loc="best")
-    axis.spines[["top", "right"]].set_visible(False)
+    axis.set_title("from above")
+    below(axis, 3, 2)
 
 
 def _around() -> np.ndarray:
@@ -110,6 +106,5 @@ def _draw_limits(axis: Axes, swing: Swing) -> None:
             axis.text(0.03, place, "not known", va="center", color="dimgrey")
     axis.axvline(1.0, color="black", lw=1)
     axis.set_yticks(range(len(shares)), list(shares))
-    axis.set(xlim=(0, 1.15), xlabel="share of the limit", title="")
+    axis.set(xlim=(0, 1.15), xlabel="share of the limit", title="most that is used")
     axis.invert_yaxis()
-    axis.spines[["top", "right"]].set_visible(False)

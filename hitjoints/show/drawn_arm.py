@@ -1,7 +1,8 @@
-"""Draw the arm in space: links, the hitting joint, the object, and the inertia felt there."""
+"""Draw the arm in space: its shapes, the hitting joint, the object, and the inertia felt there."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -11,8 +12,11 @@ from hitjoints.dynamics.inertia import inverse_inertia
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InputError
 from hitjoints.model.robot import Contact
-from hitjoints.show.figures import colour_of
-from hitjoints.tolerances import MOBILITY_FLOOR
+from hitjoints.show.arm_faces import arm_faces, box_centre, box_faces
+from hitjoints.show.inertia_surface import inertia_surface, round_number
+from hitjoints.show.picture import Picture
+from hitjoints.show.style import colour_of
+from hitjoints.swings.clear_way import axes_along
 from hitjoints.vectors import points, unit
 
 if TYPE_CHECKING:
@@ -21,204 +25,170 @@ if TYPE_CHECKING:
     from hitjoints.model.robot import Robot
     from hitjoints.types import Array
 
-LINK, EDGE = "#C9CED6", "#6B7280"
+LINK, EDGE = "#DDE1E7", "#6B7280"
 BOX, INERTIA = "#E69F00", "#0072B2"
-ARROW = 0.25  # m, length of the direction's arrow
-TYPICAL = 0.10  # m, about the radius at which the median inertia is drawn
-LONGEST = 0.20  # m, where the inertia is cut off: at a singularity it is infinite
+ARROW = 0.25
+"""m, length of the direction's arrow."""
+SIDE = -30.0
+"""deg, from where the picture is seen, about the vertical from across the direction."""
+AXES = 0.12
+"""m, length of the base frame's axes."""
 
 
-def draw_arm(
-    axis: Any,
+@dataclass(frozen=True)
+class BoxAt:
+    """A box that is drawn.
+
+    Attributes:
+        corners: (8, 3) m, in the order of `itertools.product((-1, 1), repeat=3)`.
+    """
+
+    corners: Array
+
+    @classmethod
+    def touched(
+        cls, robot: Robot, q: Array, contact: Contact, direction: Array, size: ArrayLike,
+        yaw: float | None = None,
+    ) -> BoxAt:  # fmt: skip
+        """Return the object of a hit, its near face at the surface of the link that hits.
+
+        Args:
+            robot: the arm.
+            q: (n,) rad, at the impact.
+            contact: what touches it.
+            direction: (3,), the hitting direction.
+            size: (3,) m, edges.
+            yaw: rad, the edges lie along the direction, across it and upwards, turned by that;
+                None lays them along the axes of the base.
+
+        Raises:
+            InputError: no three lengths above zero.
+        """
+        edges, h = points(size, "object_size"), unit(direction)
+        if edges.shape != (3,) or not (edges > 0).all():
+            raise InputError("object_size", edges.tolist(), "three lengths above zero")
+        axes = np.eye(3) if yaw is None else axes_along(h, yaw)
+        centre = box_centre(robot, q, contact, h, edges, axes)
+        return cls.placed(centre, edges, axes)
+
+    @classmethod
+    def placed(cls, centre: Array, size: Array, axes: Array) -> BoxAt:
+        """Return a box by its centre (3,) m, edges (3,) m and axes (3, 3), in columns."""
+        signs = np.array(list(product((-1, 1), repeat=3)))
+        return cls(centre + (signs * np.asarray(size) / 2) @ axes.T)
+
+
+def arm_picture(
     robot: Robot,
     q: ArrayLike,
     contact: Contact | int | None = None,
     direction: ArrayLike | None = None,
     *,
-    object_size: ArrayLike | None = None,
+    box: BoxAt | None = None,
     ellipsoid: bool = True,
-    view: bool = True,
-) -> None:
-    """Draw an arm on a matplotlib 3-D axis.
+    azimuth: float | None = None,
+) -> tuple[Picture, list[Any]]:
+    """Return a picture of an arm, and its legend.
 
     The surface at the contact is the belted ellipsoid of the directional inertia: its distance
     from the contact along any direction u is 1 / (u^T J M^-1 J^T u), to a scale in the legend.
 
     Args:
-        axis: made with projection="3d".
         robot: the arm.
         q: (n,) rad.
         contact: joint number or Contact that hits; none draws the arm alone.
         direction: (3,), the hitting direction, drawn as an arrow at the contact.
-        object_size: (3,) m, edges of a box whose near face is at the contact; needs a direction.
+        box: the object.
         ellipsoid: draw the inertia at the contact.
-        view: set limits, an equal aspect and the point of view. False leaves the axis as it is,
-            to draw several configurations on one.
+        azimuth: deg, from where it is seen; by default across the direction.
 
     Raises:
         InputError: an argument cannot be used.
     """
+    from matplotlib import rcParams
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
     q = robot.one_configuration(q)
+    h = None if direction is None else unit(direction)
+    picture = Picture(_azimuth(h) if azimuth is None else azimuth)
+    handles: list[Any] = []
+    size = float(rcParams["lines.markersize"])
+    picture.solid(arm_faces(robot, q), LINK)
     joints = np.array([position(robot, q, k) for k in range(1, robot.n + 1)])
-    chain = np.vstack([np.zeros(3), joints, position(robot, q, robot.flange)])
-    drawn = [chain]
-    _draw_links(axis, chain)
-    axis.plot(*joints.T, "o", color="white", mec=EDGE, mew=1.2, ms=5.5, zorder=20)
+    picture.line(joints, ls="", marker="o", color="white", mec=EDGE, mew=0.15 * size, ms=0.8 * size)
     if contact is not None:
         contact = robot.contact(contact)
-        here = position(robot, q, contact)
-        colour = colour_of(contact.joint)
-        joint = joints[contact.joint - 1]
-        axis.plot(*np.stack([joint, here]).T, color=colour, lw=2.5, zorder=24)
-        name = f"joint {contact.joint}"
-        axis.plot(
-            *here[:, None], "o", color=colour, mec="white", mew=1.2, ms=10, zorder=25, label=name
-        )
-        if direction is not None:
-            h = unit(direction)
-            drawn.append(np.stack([here, here + ARROW * h]))
-            axis.quiver(
-                *here, *(ARROW * h), color="black", lw=2, arrow_length_ratio=0.22, zorder=30
-            )
-            axis.plot([], [], "-", color="black", lw=2, label="hitting direction")
-        if ellipsoid:
-            drawn.append(_draw_inertia(axis, here, inverse_inertia(robot, q, contact)))
-    if object_size is not None:
-        if contact is None or direction is None:
-            raise InputError("object_size", object_size, "a contact and a direction place the box")
-        drawn.append(_draw_box(axis, here, h, points(object_size, "object_size")))
-    if view:
-        set_view(axis, np.vstack(drawn))
+        here, colour = position(robot, q, contact), colour_of(contact.joint)
+        mark: dict[str, Any] = {
+            "marker": "o",
+            "color": colour,
+            "mec": "white",
+            "mew": 0.2 * size,
+            "ms": 1.6 * size,
+            "ls": "",
+        }
+        picture.line(np.stack([joints[contact.joint - 1], here]), color=colour, lw=2, zorder=64)
+        picture.line(here[None], **mark, zorder=75)
+        handles.append(Line2D([], [], **mark, label=f"joint {contact.joint}"))
+        if h is not None:
+            picture.arrow(here, here + ARROW * h, color="black", lw=1.5, mutation_scale=2.4 * size)
+            arrow: dict[str, Any] = {
+                "color": "black",
+                "marker": ">",
+                "lw": 1.5,
+                "ms": size,
+                "markevery": [1],
+            }
+            handles.append(Line2D([0, 1], [0, 0], **arrow, label="hitting direction"))
+        surface = inertia_surface(inverse_inertia(robot, q, contact)) if ellipsoid else None
+        if surface is not None:
+            picture.solid(_quads(here + surface[0]), INERTIA, 0.16)
+            handles.append(Patch(color=INERTIA, alpha=0.4, label=surface[1]))
+    if box is not None:
+        picture.solid(box_faces(box.corners), BOX, 0.35)
+        picture.edges(box.corners, BOX)
+        handles.append(Patch(facecolor=BOX, alpha=0.5, edgecolor=BOX, label="object"))
+    return picture, handles
 
 
-def belted_ellipsoid(inverse: ArrayLike, rows: int = 33, columns: int = 64) -> tuple[Array, Array]:
-    """Return directions and the directional inertia along each.
-
-    Args:
-        inverse: (3, 3) 1/kg, J M^-1 J^T.
-        rows: of the grid over the sphere, pole to pole and around; the poles are where the inertia
-            is least, and round them the surface is smooth.
-        columns: of the grid over the sphere, pole to pole and around; the poles are where the
-            inertia is least, and round them the surface is smooth.
-
-    Returns:
-        (rows, columns, 3) unit vectors; (rows, columns) kg, inf where the contact cannot move.
-    """
-    Li = np.asarray(inverse, dtype=float)
-    axes = np.linalg.eigh(Li)[1]
-    polar, around = np.linspace(0, np.pi, rows), np.linspace(0, 2 * np.pi, columns)
-    local = np.stack(
-        [
-            np.outer(np.sin(polar), np.cos(around)),
-            np.outer(np.sin(polar), np.sin(around)),
-            np.outer(np.cos(polar), np.ones(columns)),
-        ],
-        axis=-1,
-    )
-    u = local @ axes.T
-    mobility = np.einsum("rci,ij,rcj->rc", u, Li, u)
-    movable = mobility > MOBILITY_FLOOR
-    return u, np.where(movable, 1.0 / np.where(movable, mobility, 1.0), np.inf)
-
-
-def add_solid(axis: Any, corners: Array) -> None:
-    """Draw the object, a box.
-
-    Args:
-        axis: made with projection="3d".
-        corners: (8, 3) m, in the order of `itertools.product((-1, 1), repeat=3)`.
-    """
-    from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
-
-    faces = [(0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5)]
-    solid = Poly3DCollection(
-        [corners[list(face)] for face in faces],
-        facecolor=(*rgb(BOX), 0.25), edgecolor=BOX, linewidths=1.0, zorder=8, label="object",
-    )  # fmt: skip
-    axis.add_collection3d(solid)
-
-
-def set_view(axis: Any, drawn: Array) -> None:
-    """Set limits, an equal aspect and the point of view for what is drawn: points (N, 3) m."""
-    from matplotlib.ticker import MultipleLocator
-
-    low, high = drawn.min(axis=0), drawn.max(axis=0)
-    low[2] = min(low[2], 0.0)
-    low, high = low - 0.05, high + 0.05
-    low[2] += 0.05
-    axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axis.set_box_aspect(high - low, zoom=0.88)
-    axis.set(xlabel="x (m)", ylabel="y (m)", zlabel="z (m)")
-    axis.view_init(elev=18, azim=-60)
-    apart = _round_number(float((high - low).max()) / 4)
-    for side in (axis.xaxis, axis.yaxis, axis.zaxis):
-        side.set_major_locator(MultipleLocator(apart))
-        side.set_pane_color((1, 1, 1, 0))
-        side._axinfo["grid"].update(color="#E5E7EB", linewidth=0.6)
-    axis.computed_zorder = False
-
-
-def _draw_links(axis: Any, chain: Array) -> None:
-    widths = np.linspace(15, 7, len(chain) - 1)
-    for outline in (True, False):
-        for i, width in enumerate(widths):
-            axis.plot(
-                *chain[i : i + 2].T,
-                color=EDGE if outline else LINK,
-                lw=width + 2 if outline else width,
-                solid_capstyle="round",
-                zorder=5 if outline else 6,
-            )
-    axis.plot(*chain[:1].T, "s", color=EDGE, ms=15, zorder=4)
-
-
-def inertia_surface(inverse: ArrayLike) -> tuple[Array, str] | None:
-    """Return the belted ellipsoid of the directional inertia as a surface round the contact.
-
-    Args:
-        inverse: (3, 3) 1/kg, J M^-1 J^T.
+def add_ground(picture: Picture, seen: Array) -> str:
+    """Add the floor's grid and the base frame's axes below what is seen, points (N, 3) m.
 
     Returns:
-        (rows, columns, 3) m from the contact, cut at `LONGEST`; what it is, with its scale. None
-        if the contact cannot move at all.
+        how far apart the grid's lines are, in words.
     """
-    u, inertia = belted_ellipsoid(inverse)
-    finite = inertia[np.isfinite(inertia)]
-    if not finite.size:
-        return None
-    per_length = _round_number(0.1 * float(np.median(finite)) / TYPICAL)  # kg per 10 cm
-    radius = np.minimum(0.1 * inertia / per_length, LONGEST)
-    note = f", cut at {LONGEST * 100:g} cm" if (radius >= LONGEST).any() else ""
-    return radius[..., None] * u, f"directional inertia, 10 cm = {per_length:g} kg{note}"
+    low, high = np.minimum(seen.min(axis=0), -0.1), np.maximum(seen.max(axis=0), 0.1)
+    apart = round_number(float((high - low).max()) / 5)
+    ends = np.floor(low / apart) * apart, np.ceil(high / apart) * apart
+    picture.floor(ends[0][:2], ends[1][:2], min(0.0, float(seen[:, 2].min())), apart)
+    for axis, name in zip(np.eye(3), "xyz", strict=True):
+        style = {"color": EDGE, "lw": 1.0, "mutation_scale": 8}
+        picture.arrow(np.zeros(3), (AXES + 0.06) * axis, **style)
+        picture.text((AXES + 0.1) * axis, name, color=EDGE)
+    return f"grid {apart:g} m"
 
 
-def _draw_inertia(axis: Any, here: Array, inverse: Array) -> Array:
-    drawn = inertia_surface(inverse)
-    if drawn is None:
-        return here[None]
-    surface, label = here + drawn[0], drawn[1]
-    style = {"color": INERTIA, "alpha": 0.22, "linewidth": 0, "antialiased": True, "shade": True}
-    axis.plot_surface(*np.moveaxis(surface, -1, 0), rstride=1, cstride=1, zorder=10, **style)
-    axis.plot_wireframe(
-        *np.moveaxis(surface, -1, 0), rstride=8, cstride=8, color=INERTIA, lw=0.5, alpha=0.5
-    )
-    axis.plot([], [], "-", color=INERTIA, alpha=0.5, lw=8, label=label)
-    return np.asarray(surface.reshape(-1, 3))
+def chain(robot: Robot, q: Array) -> Array:
+    """Return base, joints and flange at q (n,) rad as points (n + 2, 3) m."""
+    joints = [position(robot, q, k) for k in range(1, robot.n + 1)]
+    return np.array([np.zeros(3), *joints, position(robot, q, robot.flange)])
 
 
-def _round_number(value: float) -> float:
-    """Return the nearest of 1, 2, 5 times a power of ten."""
-    choices = np.array([1.0, 2.0, 5.0, 10.0]) * 10.0 ** np.floor(np.log10(value))
-    return float(choices[np.argmin(np.abs(np.log(choices / value)))])
+def _azimuth(h: Array | None) -> float:
+    if h is None or float(np.hypot(*h[:2])) < 0.1:
+        return -60.0
+    return float(np.degrees(np.arctan2(h[1], h[0]))) - 90 + SIDE
 
 
-def _draw_box(axis: Any, here: Array, h: Array, size: Array) -> Array:
-    if size.shape != (3,) or not (size > 0).all():
-        raise InputError("object_size", size.tolist(), "three lengths above zero")
-    half = np.min(size / 2 / np.maximum(np.abs(h), np.finfo(float).tiny))
-    corners = here + half * h + size / 2 * np.array(list(product((-1, 1), repeat=3)))
-    add_solid(axis, corners)
-    return np.asarray(corners)
+def _quads(surface: Array) -> list[Array]:
+    """Return the faces of a surface (rows, columns, 3) m."""
+    rows, columns = surface.shape[:2]
+    rows, columns = range(0, rows - 1, 2), range(0, columns - 1, 3)
+    ends = [(r, c, min(r + 2, surface.shape[0] - 1), min(c + 3, surface.shape[1] - 1))
+            for r in rows for c in columns]  # fmt: skip
+    return [np.stack([surface[r, c], surface[r, e], surface[b, e], surface[b, c]])
+            for r, c, b, e in ends]  # fmt: skip
 
 
 def rgb(colour: str) -> tuple[float, float, float]:

@@ -2,29 +2,31 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hitjoints.show.figures import colour_of
-from hitjoints.show.paper_hits import draw_hits, draw_starts, same_view, until_impact
+from hitjoints.show.drawn_arm import arm_picture, chain
+from hitjoints.show.joint_curves import broad, curve_of, set_quarters
+from hitjoints.show.paper_hits import draw_arms, draw_hits, draw_starts, until_impact
 from hitjoints.show.paper_spread import draw_spread
+from hitjoints.show.sheet import Sheet, sheet
+from hitjoints.show.style import Look
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
     from xarray import Dataset
 
     from hitjoints.evidence.paper.reproduction import Experiments, Reproduction
 
-ARMS = {
-    "iiwa14_bullet": ("-", "PyBullet's tensors"),
-    "iiwa14": ("--", "the URDF's"),
+PAPERS = "iiwa14_bullet"
+OTHERS = {
+    "iiwa14": ("--", "the URDF's tensors"),
     "iiwa14_phantom": (":", "with the phantom inertia"),
 }
-"""Line style and name of each arm, the paper's first."""
+"""Line style and name of the arms beside the paper's."""
 PANELS = (
     ("inertia", "directional inertia (kg)"),
     ("speed", "maximum hitting speed (m/s)"),
@@ -37,103 +39,98 @@ FOLLOWED = (
 )
 
 
-def draw_reproduction(result: Reproduction) -> dict[str, Figure]:
+def draw_reproduction(result: Reproduction, look: Look) -> dict[str, Sheet]:
     """Return the figures of what was run, by name: fig2, fig4, fig5, fig6, spread."""
     arms, first = result.experiments, next(iter(result.experiments.values()))
     figures = {}
     if first.turn is not None:
-        figures["fig2"] = _draw_turn(arms)
+        figures["fig2"] = _draw_turn(arms, look)
     if first.references is not None:
-        figures["fig4"] = _draw_references(first)
+        figures["fig4"] = _draw_references(first, look)
     if first.hits is not None:
-        figures["fig5"] = draw_starts(result.scenario, first)
-        figures["fig6"] = draw_hits({name: arms[name] for name in ARMS})
+        figures["fig5"] = draw_starts(result.scenario, first, look)
+        figures["fig6"] = draw_hits({name: arms[name] for name in (PAPERS, "iiwa14")}, look)
     if first.spread is not None:
-        figures["spread"] = draw_spread(arms)
+        figures["spread"] = draw_spread(arms, look)
     return figures
 
 
-def _draw_turn(arms: Mapping[str, Experiments]) -> Figure:
-    """Return Fig. 2: the arms with the hitting joint encircled, and the three graphs below."""
-    from matplotlib.figure import Figure
+def _draw_turn(arms: Mapping[str, Experiments], look: Look) -> Sheet:
+    """Return Fig. 2: the arms with the hitting joint encircled, the graphs, and other tensors'."""
+    from matplotlib.lines import Line2D
 
-    from hitjoints.show.drawn_arm import draw_arm
-
-    first = next(iter(arms.values()))
+    first = arms[PAPERS]
     assert first.turn is not None
-    figure = Figure(figsize=(11, 7.5), layout="constrained")
-    joints = [int(k) for k in first.turn.joint.values][::-1]
-    for column, k in enumerate(joints):
-        axis: Any = figure.add_subplot(2, 3, column + 1, projection="3d")
+    figure, axes = sheet(look, 9, 3, (3.8, 3.1))
+    joints = sorted(int(k) for k in first.turn.joint.values)
+    pictures, seen = [], []
+    for k in joints[::-1]:
         q = first.turn.sel(joint=k).q.values
-        draw_arm(axis, first.robot, q, k, first.turn.attrs["direction"], ellipsoid=False)
-        same_view(axis)
-        axis.set_zlabel("")  # no room for it beside the next arm
-        axis.set_title(f"joint {k} at the object", fontsize="medium", color=colour_of(k))
-    graphs = [figure.add_subplot(2, 3, 4 + i) for i in range(3)]
-    for name, (style, _) in ARMS.items():
+        direction = first.turn.attrs["direction"]
+        picture, _ = arm_picture(first.robot, q, k, direction, ellipsoid=False)
+        pictures.append((picture, f"joint {k} at the object"))
+        seen.append(chain(first.robot, q))
+    draw_arms(axes[:3], pictures, np.vstack(seen))
+    _draw_graphs(axes[3:6], first.turn, joints)
+    for name, (style, _) in OTHERS.items():
         turn = arms[name].turn
         assert turn is not None
-        _draw_graphs(graphs, turn, joints, style, labelled=name == "iiwa14_bullet")
-    for axis, (_, label) in zip(graphs, PANELS, strict=True):
-        axis.set(xlabel="angle of the hitting joint (deg)", ylabel=label)
-        axis.set_xticks(range(-180, 181, 90))
-        _finish(axis)
-    for style, said in ARMS.values():
-        graphs[0].plot([], [], color="grey", linestyle=style, label=said)
-    handles = graphs[0].get_legend_handles_labels()
-    figure.legend(*handles, loc="outside lower center", ncols=6, frameon=False)
-    figure.suptitle("Fig. 2: the hitting joint turns; object of 2 kg", fontsize="medium")
+        _draw_graphs(axes[6:], turn, joints, style)
+    handles = list(axes[3].lines)
+    handles += [Line2D([], [], color="grey", ls=s, label=said) for s, said in OTHERS.values()]
+    figure.key(handles)
+    figure.headline(
+        "Fig. 2: the hitting joint turns; object of 2 kg. Middle: PyBullet's tensors, which are "
+        "the paper's; below: others"
+    )
     return figure
 
 
-def _draw_graphs(
-    graphs: list[Axes], turn: Dataset, joints: list[int], style: str, labelled: bool
-) -> None:
-    for axis, (quantity, _) in zip(graphs, PANELS, strict=True):
-        for k in joints:
-            row = turn.sel(joint=k)
-            label = f"joint {k}" if labelled else None
+def _draw_graphs(axes: list[Axes], turn: Dataset, joints: list[int], style: str = "-") -> None:
+    for axis, (quantity, label) in zip(axes, PANELS, strict=True):
+        for place, k in enumerate(joints):
+            row, width = turn.sel(joint=k), broad(place, len(joints)) if style == "-" else 1.2
             axis.plot(
-                np.degrees(row.angle), row[quantity], style, color=colour_of(k), lw=1.5, label=label
-            )
+                np.degrees(row.angle), row[quantity], **curve_of(k, ls=style, lw=width, ms=4),
+                label=f"joint {k}",
+            )  # fmt: skip
+        axis.set(xlabel="angle of the hitting joint (deg)", ylabel=label)
+        set_quarters(axis)
+        _finish(axis)
 
 
-def _draw_references(on: Experiments) -> Figure:
+def _draw_references(on: Experiments, look: Look) -> Sheet:
     """Return Fig. 4: desired and achieved inertia, a column per reference, speed and flux below."""
-    from matplotlib.figure import Figure
-
     assert on.references is not None
-    figure = Figure(figsize=(10, 8), layout="constrained")
-    axes = figure.subplots(3, 2, sharex=True, sharey="row")
+    figure, axes = sheet(look, 6, 2, (4.8, 2.6))
     titles = {"constant": "constant reference", "optimised": "reference of Eq. 13"}
     for (k, reference), hit in on.references.items():
-        column = axes[:, list(titles).index(reference)]
-        column[0].set_title(titles[reference], fontsize="medium")
+        column = axes[list(titles).index(reference) :: 2]
+        column[0].set_title(titles[reference])
         for axis, (quantity, label) in zip(column, FOLLOWED, strict=True):
-            axis.plot(*until_impact(hit, quantity), color=colour_of(k), lw=1.5, label=f"joint {k}")
+            width = broad(0 if k == 6 else 1, 2)
+            style = curve_of(k, lw=width, label=f"joint {k}", zorder=3 - width / 10)
+            axis.plot(*until_impact(hit, quantity), **style)
             if quantity == "inertia":
                 wanted = until_impact(hit, "desired_inertia")
-                axis.plot(*wanted, "k--", lw=1, label="desired" if k == 6 else None)
+                axis.plot(*wanted, "k--", lw=1, zorder=4, label="desired" if k == 6 else None)
             if quantity == "flux" and k == 6:
                 axis.axhline(hit.hit.desired_flux, color="k", ls="--", lw=1)
-            if reference == "constant":
-                axis.set_ylabel(label)
-        column[-1].set_xlabel("distance to the object (m)")
-    for axis in axes.flat:
-        _finish(axis)
-    axes[0, 0].invert_xaxis()
-    figure.legend(
-        *axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3, frameon=False
-    )
-    figure.suptitle(
-        "Fig. 4: desired and achieved inertia along the motion, iiwa14_bullet", fontsize="medium"
-    )
+            axis.set(xlabel="distance to the object (m)", ylabel=label)
+    for left, right in zip(axes[::2], axes[1::2], strict=True):
+        top = max(_finish(axis) for axis in (left, right))
+        for axis in (left, right):
+            axis.set_ylim(0, top)
+            axis.invert_xaxis()
+            axis.label_outer()
+    figure.key(axes[0].get_legend_handles_labels()[0])
+    figure.headline(f"Fig. 4: desired and achieved inertia along the motion, {PAPERS}")
     return figure
 
 
-def _finish(axis: Axes) -> None:
+def _finish(axis: Axes) -> float:
     """Set limits and grid when everything is drawn: zero is shown, and room above."""
-    axis.set_ylim(0, 1.08 * axis.get_ylim()[1])
-    axis.grid(alpha=0.3)
-    axis.spines[["top", "right"]].set_visible(False)
+    top = 1.12 * max(float(np.nanmax(np.asarray(line.get_ydata()))) for line in axis.lines)
+    axis.set_ylim(0, top)
+    axis.grid(visible=True)
+    return top

@@ -2,38 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hitjoints.evidence.paper.scenario import JOINTS, PRINTED
-from hitjoints.show.drawn_arm import BOX, draw_arm
-from hitjoints.show.figures import colour_of
+from hitjoints.show.drawn_arm import BOX, add_ground, arm_picture, chain
+from hitjoints.show.sheet import Sheet, sheet
+from hitjoints.show.style import Look, colour_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from matplotlib.figure import Figure
+    from matplotlib.axes import Axes
 
     from hitjoints.evidence.paper.reproduction import Experiments
     from hitjoints.evidence.paper.scenario import Scenario
     from hitjoints.rollouts.record import Rollout
+    from hitjoints.show.picture import Picture
+    from hitjoints.types import Array
 
 ARMS = {"iiwa14_bullet": "-", "iiwa14": "--"}
-
-
-VIEW = np.array([[-0.15, 0.85], [-0.15, 0.6], [0.0, 0.85]])
-"""m, of every arm drawn, so that they compare."""
-
-
-def same_view(axis: Any) -> None:
-    """Show the same part of space on a 3-D axis as on all others."""
-    from matplotlib.ticker import MultipleLocator
-
-    axis.set(xlim=VIEW[0], ylim=VIEW[1], zlim=VIEW[2])
-    axis.set_box_aspect(np.ptp(VIEW, axis=1), zoom=0.85)
-    for side in (axis.xaxis, axis.yaxis, axis.zaxis):
-        side.set_major_locator(MultipleLocator(0.4))
 
 
 def until_impact(hit: Rollout, quantity: str) -> tuple[np.ndarray, np.ndarray]:
@@ -43,38 +32,45 @@ def until_impact(hit: Rollout, quantity: str) -> tuple[np.ndarray, np.ndarray]:
     return ahead[rows["approach"]], rows[quantity][rows["approach"]]
 
 
-def draw_starts(scenario: Scenario, on: Experiments) -> Figure:
-    """Return Fig. 5: the start configuration of each joint, the object and the way to it."""
-    from matplotlib.figure import Figure
+def draw_arms(axes: list[Axes], pictures: list[tuple[Picture, str]], seen: Array) -> None:
+    """Draw arms side by side, the same part of space of each.
 
+    Args:
+        axes: of each.
+        pictures: each with its title.
+        seen: (N, 3) m, what is to be in all of them.
+    """
+    for picture, _ in pictures:
+        add_ground(picture, seen)
+    all_bounds = np.array([picture.bounds() for picture, _ in pictures])
+    bounds = np.stack([all_bounds[..., 0].min(axis=0), all_bounds[..., 1].max(axis=0)], axis=1)
+    for axis, (picture, title) in zip(axes, pictures, strict=True):
+        picture.draw(axis, bounds)
+        axis.set_title(title)
+
+
+def draw_starts(scenario: Scenario, on: Experiments, look: Look) -> Sheet:
+    """Return Fig. 5: the start configuration of each joint, the object and the way to it."""
     assert on.hits is not None
-    figure = Figure(figsize=(13, 5), layout="constrained")
-    for column, k in enumerate(JOINTS):
-        axis: Any = figure.add_subplot(1, 3, column + 1, projection="3d")
+    figure, axes = sheet(look, len(JOINTS), 3, (4.2, 3.5), 1.1)
+    way = np.stack([scenario.start, scenario.position])
+    pictures, seen = [], [way]
+    for k in JOINTS:
         start = on.hits.starts[k]
-        draw_arm(axis, on.robot, start.posture.q, k, scenario.direction, ellipsoid=False)
-        way = np.stack([scenario.start, scenario.position])
-        axis.plot(*way.T, "k:", lw=1.2, zorder=28)
-        axis.plot(*way[1:].T, "s", color=BOX, ms=11, mec="k", zorder=28)
-        same_view(axis)
-        axis.set_title(
-            f"joint {k}: {start.posture.inertia:.3g} kg at the start",
-            fontsize="medium",
-            color=colour_of(k),
-        )
-    figure.suptitle(
-        "Fig. 5: start configurations by Eq. 14, all from the same position; object in orange",
-        fontsize="medium",
-    )
+        q = start.posture.q
+        picture, _ = arm_picture(on.robot, q, k, scenario.direction, ellipsoid=False)
+        picture.line(way, ls=":", color="k", lw=1.2)
+        picture.line(way[1:], ls="", marker="s", color=BOX, mec="k")
+        pictures.append((picture, f"joint {k}: {start.posture.inertia:.3g} kg at the start"))
+        seen.append(chain(on.robot, q))
+    draw_arms(axes, pictures, np.vstack(seen))
+    figure.headline("Fig. 5: starts by Eq. 14, all from the same position; object in orange")
     return figure
 
 
-def draw_hits(arms: Mapping[str, Experiments]) -> Figure:
+def draw_hits(arms: Mapping[str, Experiments], look: Look) -> Sheet:
     """Return Fig. 6: the inertia along the motion, with its value at the impact and the paper's."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(13, 4.6), layout="constrained")
-    axes = figure.subplots(1, 3)
+    figure, axes = sheet(look, len(JOINTS), 3, (4.2, 3.8))
     for axis, k in zip(axes, JOINTS, strict=True):
         for name, style in ARMS.items():
             hits = arms[name].hits
@@ -88,11 +84,10 @@ def draw_hits(arms: Mapping[str, Experiments]) -> Figure:
         axis.set(xlabel="distance to the object (m)", ylabel="directional inertia (kg)")
         axis.set_ylim(0, 1.15 * max(axis.get_ylim()[1], PRINTED.get(k, 0)))
         axis.invert_xaxis()
-        axis.grid(alpha=0.3)
-        axis.spines[["top", "right"]].set_visible(False)
-        axis.legend(frameon=False, loc="lower left")
-        axis.set_title(_heading(arms, k), fontsize="medium", color=colour_of(k))
-    figure.suptitle("Fig. 6: inertia along the hits, dot at the impact", fontsize="medium")
+        axis.grid(visible=True)
+        axis.legend(loc="lower left")
+        axis.set_title(_heading(arms, k), fontsize="small")
+    figure.headline("Fig. 6: inertia along the hits, dot at the impact")
     return figure
 
 

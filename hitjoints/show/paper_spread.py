@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.evidence.paper.scenario import PRINTED, PRINTED_MORE
-from hitjoints.show.figures import COLOURS, colour_of
+from hitjoints.show.sheet import NARROWEST, Sheet, sheet
+from hitjoints.show.style import COLOURS, Look, colour_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
     from hitjoints.evidence.paper.reproduction import Experiments
     from hitjoints.evidence.paper.spread import Spread
@@ -24,20 +24,17 @@ SHOWN = 98.0
 PHANTOM = "iiwa14_phantom"
 
 
-def draw_spread(arms: Mapping[str, Experiments]) -> Figure:
+def draw_spread(arms: Mapping[str, Experiments], look: Look) -> Sheet:
     """Return histograms of the inertia at the impact with joints 7 and 6, and of their ratio.
 
     Beside them what joint 7's depends on.
     """
-    from matplotlib.figure import Figure
-
     spreads = {name: on.spread for name, on in arms.items() if on.spread is not None}
     ours = {name: on.hits for name, on in arms.items()}["iiwa14_bullet"]
     assert ours is not None
     impacts = {k: ours.shown(k).impact for k in PRINTED}
     here = {k: impact.inertia for k, impact in impacts.items() if impact is not None}
-    figure = Figure(figsize=(11, 8), layout="constrained")
-    axes = figure.subplots(2, 2).flat
+    figure, axes = sheet(look, 4, 2, (5.5, 4.0), NARROWEST)
     for axis, k in zip(axes, PRINTED, strict=False):
         values = {name: spread.inertia[k] for name, spread in spreads.items()}
         _draw_histogram(axis, values, PRINTED[k], here[k], colour_of(k))
@@ -49,7 +46,7 @@ def draw_spread(arms: Mapping[str, Experiments]) -> Figure:
         axis.set_ylabel("share of the setups (%)")
     _draw_angles(axes[3], spreads["iiwa14_bullet"])
     count = len(spreads["iiwa14_bullet"].start)
-    figure.suptitle(f"{count} random setups on iiwa14_bullet", fontsize="medium")
+    figure.headline(f"{count} random setups on iiwa14_bullet")
     return figure
 
 
@@ -62,8 +59,7 @@ def _draw_angles(axis: Axes, spread: Spread) -> None:
     axis.set_xticks(range(0, 91, 15))
     axis.set_xlabel("joint 7: angle of its last link to the direction at the impact (deg)")
     axis.set_ylabel("joint 7: inertia at the impact (kg)")
-    axis.spines[["top", "right"]].set_visible(False)
-    axis.legend(frameon=False)
+    axis.legend()
 
 
 def _draw_histogram(
@@ -79,6 +75,5 @@ def _draw_histogram(
     )
     axis.axvline(printed, color="k", lw=1.5, label=f"paper, {printed:g}")
     axis.axvline(ours, color="k", ls="--", lw=1.2, label=f"fig6, {ours:.3g}")
-    axis.set_title(f"{(bullet < printed).mean() * 100:.0f} % below the paper's", fontsize="medium")
-    axis.spines[["top", "right"]].set_visible(False)
-    axis.legend(frameon=False)
+    axis.set_title(f"{(bullet < printed).mean() * 100:.0f} % below the paper's")
+    axis.legend()

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.constants import GRAVITY
-from hitjoints.show.figures import COLOURS, colour_of
+from hitjoints.show.sheet import NARROWEST, Sheet, below, sheet
+from hitjoints.show.style import COLOURS, HATCHES, Look, colour_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
     from hitjoints.evidence.physics.simulated_hit import Simulation
 
@@ -23,29 +23,24 @@ SMALL = 1.0
 NAMES = {"object_speed": "object speed", "rebound": "rebound", "inertia": "inertia"}
 
 
-def draw_simulation(result: Simulation) -> Figure:
+def draw_simulation(result: Simulation, look: Look) -> Sheet:
     """Return the figure of a simulated hit; predictions are dashed."""
-    from matplotlib.figure import Figure
-
     slides = result.slide is not None
-    figure = Figure(figsize=(11, 7.5 if slides else 3.9), layout="constrained")
-    axes = figure.subplots(2 if slides else 1, 2, squeeze=False)
-    _draw_contact(axes[0, 0], result)
-    _draw_errors(axes[0, 1], result)
+    figure, axes = sheet(look, 4 if slides else 2, 2, (5.5, 3.9), NARROWEST)
+    draw_contact(axes[0], result)
+    _draw_errors(axes[1], result)
     if slides:
-        _draw_way(axes[1, 0], axes[1, 1], result)
-    for axis in axes.flat:
-        axis.spines[["top", "right"]].set_visible(False)
+        _draw_way(axes[2], axes[3], result)
     hit, robot = result.motion.hit, result.motion.robot
-    figure.suptitle(
+    figure.headline(
         f"{robot.name}, joint {result.impact.contact.joint}, {result.mode}: {hit.words}, "
-        f"restitution {result.setting.restitution:g}",
-        fontsize="medium",
+        f"restitution {result.setting.restitution:g}"
     )
     return figure
 
 
-def _draw_contact(axis: Axes, result: Simulation) -> None:
+def draw_contact(axis: Axes, result: Simulation) -> None:
+    """Draw the speeds of arm and box through the contact."""
     rows, told = result.strike.rows, result.predicted
     around = AROUND * result.strike.contact_time
     end = result.strike.contact_time + around
@@ -62,8 +57,8 @@ def _draw_contact(axis: Axes, result: Simulation) -> None:
         axis.axhline(level, color=shade, ls="--", lw=1)
     axis.plot([], [], "--", color="grey", lw=1, label="predicted after the impact")
     axis.set(xlabel="time (ms)", ylabel="speed along the direction (m/s)")
-    axis.set_title("through the contact", fontsize="medium")
-    axis.legend(frameon=False, fontsize="small")
+    axis.set_title("through the contact")
+    axis.legend()
 
 
 def _draw_errors(axis: Axes, result: Simulation) -> None:
@@ -74,7 +69,8 @@ def _draw_errors(axis: Axes, result: Simulation) -> None:
     for i, (name, label) in enumerate(NAMES.items()):
         off = np.array([100 * errors[name] for _, errors in groups])
         where = np.arange(len(groups)) + (i - 1) * height
-        bars = axis.barh(where, off, 0.9 * height, color=COLOURS[i], label=label)
+        bars = axis.barh(where, off, 0.9 * height, color=COLOURS[i], label=label, hatch=HATCHES[i],
+                         edgecolor="white")  # fmt: skip
         axis.bar_label(bars, [f"{value:+.2g} %" for value in off], padding=3, fontsize="x-small")
     axis.axvline(0, color="black", lw=0.8)
     axis.set_yticks(range(len(groups)), [name for name, _ in groups])
@@ -82,14 +78,11 @@ def _draw_errors(axis: Axes, result: Simulation) -> None:
     axis.margins(x=0.2)
     if max(abs(end) for end in axis.get_xlim()) < SMALL:
         axis.set_xlim(-SMALL, SMALL)
-    axis.set_xlabel("simulated over predicted, less 1 (%)")
+    axis.set_xlabel("error (%)")
     alone = ": each cause alone" if result.causes else ""
-    axis.set_title(f"how far off{alone}", fontsize="medium")
+    axis.set_title(f"simulated less predicted{alone}")
     # Below the axis: among the bars it would cover some, whichever way they point.
-    axis.legend(
-        loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=len(NAMES),
-        frameon=False, fontsize="small",
-    )  # fmt: skip
+    below(axis, 3, len(NAMES))
 
 
 def _draw_way(speeds: Axes, ways: Axes, result: Simulation) -> None:
@@ -121,5 +114,5 @@ def _draw_way(speeds: Axes, ways: Axes, result: Simulation) -> None:
     ways.set_ylabel("way of the box (mm)")
     for axis, title in ((speeds, "until the box rests"), (ways, "travel")):
         axis.set_xlabel("time since the impact (s)")
-        axis.set_title(title, fontsize="medium")
-        axis.legend(frameon=False, fontsize="small")
+        axis.set_title(title)
+        axis.legend()

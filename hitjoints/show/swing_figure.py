@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.dynamics.kinematics import position
-from hitjoints.show.figures import COLOURS, colour_of
+from hitjoints.show.joint_curves import draw_impact, draw_shares
+from hitjoints.show.sheet import Sheet, sheet
+from hitjoints.show.style import Look, colour_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
     from hitjoints.swings.swing_record import Swing
     from hitjoints.types import Array
@@ -22,48 +23,37 @@ STILL = 1e-3
 """rad/s, slower than that the arm is about to wind up."""
 
 
-def draw_swing(result: Swing) -> Figure:
+def draw_swing(result: Swing, look: Look) -> Sheet:
     """Return the figure of a swing: shares of limits along time, and the approach to the object."""
-    from matplotlib.figure import Figure
-
     robot, joints, limits = result.robot, result.joints, result.limits
     low, high = robot.finite_limits
-    figure = Figure(figsize=(14, 7), layout="constrained")
-    axes = figure.subplots(2, 3)
-    place, speed, path = axes[0]
-    force, torque, near = axes[1]
+    figure, axes = sheet(look, 6, 3, (4.4, 3.3))
+    place, speed, path, force, torque, near = axes
     middle, half = (low + high) / 2, (high - low) / 2
-    top = np.where(joints.qd > 0, limits.velocity_upper, -limits.velocity_lower)
-    _shares(place, result, (joints.q - middle) / half, "position, -1 and 1 are the limits")
-    _shares(speed, result, _ratio(joints.qd, top), "velocity / limit")
-    _shares(force, result, _ratio(joints.qdd, limits.acceleration), "acceleration / limit")
-    _shares(torque, result, result.torque / limits.effort, "torque / limit")
+    draw_shares(place, result.times, joints.q - middle, half, "position, limits at -1 and 1")
+    draw_velocity(speed, result)
+    draw_shares(force, result.times, joints.qdd, limits.acceleration, "acceleration / limit")
+    draw_shares(torque, result.times, result.torque, limits.effort, "torque / limit")
     contact = robot.contact(result.hit.chosen_contact)
     where = np.array([position(robot, q, contact) for q in joints.q]) - result.hit.position
     _draw_path(path, result, where)
     _draw_approach(near, result, where)
-    place.legend(frameon=False, fontsize="small", ncols=2, title="joint")
-    for axis in axes.flat:
-        axis.spines[["top", "right"]].set_visible(False)
+    for axis in (place, speed, force, torque):
+        draw_impact(axis, result.impact_time)
+    figure.key(place.get_legend_handles_labels()[0])
     verdict = "sendable" if result.sendable else f"not sendable: {result.why}"
-    figure.suptitle(
+    figure.headline(
         f"{robot.name}, joint {contact.joint}: {result.hit.words}; flux {result.flux:.3g} m/s; "
-        f"{verdict}; impact marked in grey",
-        fontsize="medium",
+        f"{verdict}; impact marked in grey"
     )
     return figure
 
 
-def _ratio(values: Array, limit: Array) -> Array:
-    limit = np.broadcast_to(limit, values.shape)
-    return np.divide(values, limit, out=np.zeros_like(values), where=limit > 0)
-
-
-def _shares(axis: Axes, result: Swing, share: Array, label: str) -> None:
-    for i, curve in enumerate(share.T):
-        axis.plot(result.times, curve, color=COLOURS[i % len(COLOURS)], lw=1, label=f"{i + 1}")
-    axis.axvline(result.impact_time, color="grey", lw=1)
-    axis.set(xlabel="time (s)", ylabel=label, ylim=(-1.05, 1.05))
+def draw_velocity(axis: Axes, result: Swing) -> None:
+    """Draw the joints' velocities in units of their limits."""
+    qd, limits = result.joints.qd, result.limits
+    top = np.where(qd > 0, limits.velocity_upper, -limits.velocity_lower)
+    draw_shares(axis, result.times, qd, top, "velocity / limit")
 
 
 def _draw_path(axis: Axes, result: Swing, where: Array) -> None:
@@ -78,7 +68,7 @@ def _draw_path(axis: Axes, result: Swing, where: Array) -> None:
     axis.plot(along[0], aside[0], "o", color=colour, ms=4)
     axis.axvline(0, color="grey", lw=1)
     axis.set(xlabel="along the direction, object at 0 (m)", ylabel="distance from the line (m)")
-    axis.legend(frameon=False, fontsize="small")
+    axis.legend()
 
 
 def _draw_approach(axis: Axes, result: Swing, where: Array) -> None:
@@ -94,6 +84,6 @@ def _draw_approach(axis: Axes, result: Swing, where: Array) -> None:
     axis.set(xlabel="along the direction, object at 0 (mm)", ylabel="speed along it (m/s)")
     other = axis.twinx()
     other.plot(1e3 * along[rows], 1e3 * aside, "k--", lw=1)
-    other.set_ylabel("distance from the line (mm), dashed")
-    other.spines["top"].set_visible(False)
+    other.set_ylabel("from the line (mm), dashed")
+    other.spines["right"].set_visible(True)
     other.set_ylim(bottom=0)

@@ -22,10 +22,11 @@ from hitjoints.planning.planner import plan
 from hitjoints.quantities import hitting_speed
 from hitjoints.rollouts.follow import rollout
 from hitjoints.rollouts.prepare import placed
-from hitjoints.show.drawn_arm import ARROW, BOX, INERTIA, LINK, inertia_surface, rgb
-from hitjoints.show.figures import colour_of
+from hitjoints.show.drawn_arm import ARROW, BOX, INERTIA, LINK, rgb
+from hitjoints.show.inertia_surface import inertia_surface
 from hitjoints.show.origin import own_pages_only
 from hitjoints.show.solids import solids
+from hitjoints.show.style import colour_of
 from hitjoints.swings.make_swing import swing
 
 if TYPE_CHECKING:

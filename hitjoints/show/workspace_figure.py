@@ -6,34 +6,35 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InputError
 from hitjoints.maps.map_kinds import MOTION, WORKSPACE, kind_of
-from hitjoints.maps.workspace import best_joint
-from hitjoints.model.robot import Contact
-from hitjoints.show.figures import colour_of
+from hitjoints.show.drawn_arm import chain
+from hitjoints.show.sheet import Sheet, fitted
+from hitjoints.show.style import Look, colour_of
+from hitjoints.show.winner_map import STRIPES, TIES, draw_winners
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from matplotlib.axes import Axes
     from xarray import Dataset
 
     from hitjoints.model.robot import Robot
 
 PANELS = {
-    WORKSPACE.name: (
-        ("inertia_median", r"median inertia $\lambda_h$ (kg)", "viridis", "heaviest"),
-        ("flux", r"greatest flux $\phi_{\max}$ (m/s)", "inferno", "hits hardest"),
-    ),
-    MOTION.name: (
-        ("inertia", r"inertia at the impact $\lambda_h$ (kg)", "viridis", "heaviest"),
-        ("flux", r"delivered flux $\phi$ (m/s)", "inferno", "hits hardest"),
-    ),
+    WORKSPACE.name: {
+        "inertia_median": (r"median inertia $\lambda_h$ (kg)", "viridis", "heaviest"),
+        "flux": (r"greatest flux $\phi_{\max}$ (m/s)", "inferno", "hits hardest"),
+    },
+    MOTION.name: {
+        "inertia": (r"inertia at the impact $\lambda_h$ (kg)", "viridis", "heaviest"),
+        "flux": (r"delivered flux $\phi$ (m/s)", "inferno", "hits hardest"),
+    },
 }
-"""Of each kind of map: variable, label, colours, and what the joint of the greatest is."""
+"""Of each kind of map: variables, their label, colours, and what the joint of the most is."""
 UNREACHABLE = "#d9d9d9"
+TICKS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 3, 5, 7, 10, 15, 20, 30, 50, 100, 200)
 
 
-def draw_workspace(robot: Robot, swept: Dataset, direction: int = 0) -> Figure:
+def draw_workspace(robot: Robot, swept: Dataset, look: Look, direction: int = 0) -> Sheet:
     """Return the figure of a map, of what is possible or of motions, for one of its directions.
 
     A map of one layer is drawn as it is; of a thicker one, the middle layer of the axis with the
@@ -42,46 +43,96 @@ def draw_workspace(robot: Robot, swept: Dataset, direction: int = 0) -> Figure:
     Raises:
         InputError: the map is no plane: fewer than two axes have two coordinates or more.
     """
-    from matplotlib.figure import Figure
-
     layer, across, up = _plane(swept)
-    middle = swept.sizes[layer] // 2
-    cut = swept.isel({layer: middle, "direction": direction})
     joints = [int(k) for k in swept.joint.values]
-    columns = len(joints) + 1
-    aspect = float(np.ptp(swept[up].values) / np.ptp(swept[across].values))
-    size = (3.1 * columns + 1, 5.4 * min(max(aspect, 0.4), 2.2) + 1.3)
-    figure = Figure(figsize=size, layout="constrained")
-    axes = figure.subplots(2, columns, sharex=True, sharey=True)
+    aspect = min(max(float(np.ptp(swept[up].values) / np.ptp(swept[across].values)), 0.4), 2.2)
+    panels = len(joints) + 1
+    columns, _, size = fitted(look, 2 * panels, panels, (3.1, 2.7 * aspect + 0.6))
+    wide = columns == panels
+    if not wide and look.inches is not None and look.inches[1] is None:
+        size = size[0], size[0] / 2 * (aspect + 0.05) * panels + 1.0
+    figure = Sheet(look, figsize=size)
+    grid = figure.subplots(*((2, panels) if wide else (panels, 2)), sharex=True, sharey=True)
     kind = kind_of(swept.attrs)
-    for row, (name, label, colours, praise) in zip(axes, PANELS[kind.name], strict=True):
-        scale, ends = _shared_scale(name, cut[name].values)
-        for axis, k in zip(row, joints, strict=False):
-            values = cut[name].sel(joint=k).transpose(up, across)
-            drawn = _shade(axis, cut, (across, up), values, cmap=colours, **scale)
-            axis.set_title(f"joint {k}")
-        figure.colorbar(
-            drawn, ax=row[: len(joints)], label=label, shrink=0.9, format="{x:g}", **ends
-        )
-        _shade_joints(row[-1], cut, (across, up), best_joint(cut, name).transpose(up, across))
-        row[-1].set_title(praise)
-    _legend(figure, joints, "no motion hits" if kind is MOTION else "out of reach")
-    for axis in axes.flat:
+    for row, name in zip(grid if wide else grid.T, PANELS[kind.name], strict=True):
+        _draw_row(figure, row, swept, name, direction, wide)
+    for axis in grid.flat:
         _draw_arm(axis, robot, ("xyz".index(across), "xyz".index(up)))
-        axis.set(xlim=_span(cut[across]), ylim=_span(cut[up]), aspect="equal")
-    for axis in axes[-1]:
-        axis.set_xlabel(f"{across} (m)")
-    for axis in axes[:, 0]:
-        axis.set_ylabel(f"{up} (m)")
+        axis.label_outer()
+    _legend(figure, joints, "no motion hits" if kind is MOTION else "out of reach")
     h = ", ".join(f"{v:.3g}" for v in swept.direction_vector.values[direction])
-    what = ("tries", "motions") if kind is MOTION else ("samples", "configurations")
-    figure.suptitle(
+    middle = swept.sizes[layer] // 2
+    tried = "motions" if kind is MOTION else "configurations"
+    figure.headline(
         f"{swept.attrs['robot']}: object of {swept.attrs['mass']:g} kg hit along ({h}), "
         f"{layer} = {float(swept[layer][middle]):.3g} m, "
-        f"{swept.attrs[what[0]]} {what[1]} per position",
-        fontsize="medium",
+        f"{swept.attrs['tries' if kind is MOTION else 'samples']} {tried} per position"
     )
     return figure
+
+
+def _draw_row(
+    figure: Sheet, row: Any, swept: Dataset, name: str, direction: int, wide: bool
+) -> None:
+    """Draw a quantity of each joint, with one scale, and the joint that has most of it."""
+    label = _panel(swept, name)[0]
+    joints = [int(k) for k in swept.joint.values]
+    for axis, k in zip(row, joints, strict=False):
+        drawn, ends = draw_quantity(axis, swept, name, k, direction)
+    bar = figure.colorbar(
+        drawn, ax=row[: len(joints)], label=label, shrink=0.9, format="{x:g}",
+        location="right" if wide else "top", aspect=20 if wide else 12, **ends,
+    )  # fmt: skip
+    bar.ax.minorticks_off()
+    draw_best(row[-1], swept, name, direction)
+
+
+def draw_quantity(
+    axis: Axes, swept: Dataset, name: str, joint: int, direction: int = 0
+) -> tuple[Any, dict[str, Any]]:
+    """Draw a quantity of `PANELS` of a joint, on a scale that all joints share.
+
+    Returns:
+        what is drawn, for a colour bar; the bar's ends and ticks.
+    """
+    cut, across, up = _cut(swept, direction)
+    scale, ends = _shared_scale(name, cut[name].values)
+    values = cut[name].sel(joint=joint).transpose(up, across)
+    _frame(axis, cut, across, up)
+    drawn = axis.pcolormesh(
+        cut[across], cut[up], np.ma.masked_invalid(values.values), shading="nearest",
+        cmap=_panel(swept, name)[1], rasterized=True, **scale,
+    )  # fmt: skip
+    axis.set_title(f"joint {joint}")
+    return drawn, ends
+
+
+def draw_best(axis: Axes, swept: Dataset, name: str = "flux", direction: int = 0) -> None:
+    """Draw which joint has most of a quantity, and where two tie."""
+    cut, across, up = _cut(swept, direction)
+    _frame(axis, cut, across, up)
+    values = cut[name].transpose("joint", up, across).values
+    joints = [int(k) for k in swept.joint.values]
+    draw_winners(axis, cut[across].values, cut[up].values, values, joints)
+    axis.set_title(_panel(swept, name)[2])
+
+
+def _panel(swept: Dataset, name: str) -> tuple[str, str, str]:
+    return PANELS[kind_of(swept.attrs).name][name]
+
+
+def _cut(swept: Dataset, direction: int) -> tuple[Dataset, str, str]:
+    """Return the layer that is drawn, and the axes of the picture."""
+    layer, across, up = _plane(swept)
+    return swept.isel({layer: swept.sizes[layer] // 2, "direction": direction}), across, up
+
+
+def _frame(axis: Axes, cut: Dataset, across: str, up: str) -> None:
+    axis.set_facecolor(UNREACHABLE)
+    axis.patch.set(hatch="////", edgecolor="white")
+    axis.set(xlim=_span(cut[across]), ylim=_span(cut[up]), aspect="equal")
+    axis.set(xlabel=f"{across} (m)", ylabel=f"{up} (m)")
+    axis.spines[["top", "right"]].set_visible(True)
 
 
 def _plane(swept: Dataset) -> tuple[str, str, str]:
@@ -107,44 +158,27 @@ def _shared_scale(name: str, values: Any) -> tuple[dict[str, Any], dict[str, Any
     finite = values[np.isfinite(values) & (values > 0)]
     low, high = np.percentile(finite, (1, 98)) if finite.size else (0.1, 1.0)
     if name.startswith("inertia"):
-        ticks = [tick for tick in (0.5, 1, 2, 3, 5, 10, 20, 30, 50, 100) if low < tick < high]
+        ticks = [tick for tick in TICKS if low <= tick <= high]
         return {"norm": LogNorm(low, max(high, 1.01 * low))}, {"extend": "both", "ticks": ticks}
     return {"norm": Normalize(0.0, high)}, {"extend": "max"}
 
 
-def _shade(axis: Any, cut: Dataset, plane: tuple[str, str], values: Any, **options: Any) -> Any:
-    axis.set_facecolor(UNREACHABLE)
-    axis.patch.set(hatch="////", edgecolor="white")
-    shown = np.ma.masked_invalid(values.values)
-    return axis.pcolormesh(cut[plane[0]], cut[plane[1]], shown, shading="nearest", **options)
-
-
-def _shade_joints(axis: Any, cut: Dataset, plane: tuple[str, str], values: Any) -> None:
-    from matplotlib.colors import BoundaryNorm, ListedColormap
-
-    ordered = sorted(int(k) for k in cut.joint.values)
-    edges = [ordered[0] - 0.5, *(k + 0.5 for k in ordered)]
-    colours = ListedColormap([colour_of(k) for k in ordered])
-    _shade(axis, cut, plane, values, cmap=colours, norm=BoundaryNorm(edges, len(ordered)))
-
-
-def _legend(figure: Figure, joints: list[int], absent: str) -> None:
+def _legend(figure: Sheet, joints: list[int], absent: str) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     handles: list[Any] = [Patch(color=colour_of(k), label=f"joint {k}") for k in joints]
+    handles.append(Patch(facecolor="white", edgecolor="grey", hatch=STRIPES, label=TIES))
     handles.append(Patch(facecolor=UNREACHABLE, hatch="////", edgecolor="white", label=absent))
     handles.append(Line2D([], [], color="black", marker="s", label="arm at home"))
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
+    figure.key(handles)
 
 
 def _draw_arm(axis: Any, robot: Robot, plane: tuple[int, int]) -> None:
-    contacts = [*(Contact(k) for k in range(1, robot.n + 1)), robot.flange]
-    points = [np.zeros(3), *(position(robot, robot.home, c) for c in contacts)]
-    line = np.array(points)[:, plane]
+    line = chain(robot, robot.home)[:, plane]
     axis.plot(*line.T, color="white", linewidth=3.5, solid_capstyle="round")
     axis.plot(*line.T, color="black", linewidth=1.5, marker="o", markersize=2.5)
-    axis.plot(*line[0], color="black", marker="s", markersize=8)
+    axis.plot(*line[0], color="black", marker="s", markersize=6)
 
 
 def _span(coordinate: Any) -> tuple[float, float]:

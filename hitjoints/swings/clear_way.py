@@ -7,9 +7,11 @@ is shown to be clear all along by looking at few moments of it.
 
 from __future__ import annotations
 
+from collections import deque
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+import pinocchio as pin
 
 from hitjoints.errors import ModelError
 from hitjoints.planning.room.shapes import Scene, scene_of
@@ -18,18 +20,19 @@ if TYPE_CHECKING:
     from hitjoints.model.robot import Contact, Robot
     from hitjoints.types import Array
 
+SHARP = 5e-4
+"""m, to which the least distance of a way is found where it is asked for."""
+
 
 class Obstacle(NamedTuple):
-    """A solid, where it is, what it is called, and the numbers of the shapes to keep off it."""
+    """Where the object is (an SE3), and the numbers of the shapes that must keep off it."""
 
-    name: str
-    solid: Any
     placement: Any
-    shapes: list[int]
+    shapes: frozenset[int]
 
 
 class Clear(NamedTuple):
-    """The least distance (m) that was seen, of what, and the row where there was less than asked.
+    """The least distance (m) that was seen, of what, and a row where there was less than asked.
 
     `row` is None for a way that is clear.
     """
@@ -46,77 +49,140 @@ class Room:
         robot: the arm.
         margin: m, least distance asked for.
         table: m, height of a table, or None.
+        size: (3,) m, edges of the object.
     """
 
-    def __init__(self, robot: Robot, margin: float, table: float | None) -> None:
+    def __init__(self, robot: Robot, margin: float, table: float | None, size: Array) -> None:
         self.margin, self.known = margin, True
+        self._robot, self._size = robot, size
         self._scene: Scene | None = None
         try:
-            self._scene = scene_of(robot)
+            scene = self._scene = scene_of(robot)
         except ModelError:
             if table is not None:
                 raise
             self.known = False
             return
-        scene = self._scene
-        self._table = None if table is None else Obstacle("table", *scene.place_table(table))
-        self._everything = list(range(len(scene.links)))
-        self._reach = _reaches(robot, scene)
-        pairs = [(pair.first, pair.second) for pair in scene.shapes.collisionPairs]
-        # Two links move against each other by what lies between them only.
-        between = np.zeros((len(pairs), robot.n))
-        for row, (a, b) in enumerate(pairs):
-            low, high = sorted((scene.links[a], scene.links[b]))
-            far = a if scene.links[a] == high else b
-            between[row, low:high] = self._reach[far, low:high]
-        self._between = between
+        self._shapes = pin.GeometryModel(scene.shapes)
+        reach, own = _reaches(robot, scene), list(scene.shapes.collisionPairs)
+        self._rates = [_between(scene, reach, pair.first, pair.second) for pair in own]
+        self._names = [f"{a} and {b}" for a, b in scene.pairs]
+        self._everything = frozenset(range(len(scene.links)))
+        if table is not None:
+            solid, _, movable = scene.place_table(table)
+            self._keep_off("table", solid, movable, reach)
+        # Of the object, the number of its pair with each shape.
+        self._first = len(self._names)
+        where = self._keep_off("object", _box(size), sorted(self._everything), reach)
+        self._object = self._shapes.geometryObjects[where]
+        self._geometry = pin.GeometryData(self._shapes)
+        for request in self._geometry.collisionRequests:
+            request.security_margin = margin
+        self._bounds = np.array(self._rates)
+        self._avoided = self._everything
+        self._avoid(None)
 
-    def box(self, q: Array, contact: Contact, h: Array, size: Array, yaw: float) -> Obstacle | None:
+    def box(self, q: Array, contact: Contact, h: Array, axes: Array) -> Obstacle | None:
         """Return the object that is touched at q (n,) rad; see `Scene.place_box`."""
         if self._scene is None:
             return None
-        placed = self._scene.place_box(q, contact, h, size, _axes(h, yaw))
-        return Obstacle("object", *placed)
+        _, at, shapes = self._scene.place_box(q, contact, h, self._size, axes)
+        placement = pin.SE3(np.array(at.getRotation()), np.array(at.getTranslation()))
+        return Obstacle(placement, frozenset(shapes))
 
     def whole(self, box: Obstacle | None) -> Obstacle | None:
         """Return the object, to be avoided by the links that hit it, too."""
         return None if box is None else box._replace(shapes=self._everything)
 
-    def check(self, rows: Array, box: Obstacle | None) -> Clear:
+    def touches(self, q: Array, box: Obstacle | None) -> bool:
+        """Tell whether something is nearer than the margin at q (n,) rad."""
+        if self._scene is None:
+            return False
+        self._avoid(box)
+        model, data = self._robot.model, self._robot.data
+        return bool(pin.computeCollisions(model, data, self._shapes, self._geometry, q, True))
+
+    def check(self, rows: Array, box: Obstacle | None, *, sharp: bool = False) -> Clear:
         """Look along a way.
 
         Args:
             rows: (N, n) rad, near each other.
             box: the object, if it is to be avoided.
+            sharp: find the least distance of the rows to half a millimetre, too.
         """
         if self._scene is None:
             return Clear(np.inf, "", None)
-        scene = self._scene
-        solids = [obstacle for obstacle in (self._table, box) if obstacle is not None]
-        per_joint = [self._between, *(self._reach[solid.shapes] for solid in solids)]
-        rates = np.concatenate(per_joint)
-        names = [f"{a} and {b}" for a, b in scene.pairs]
-        names += [f"{scene.names[i]} and the {s.name}" for s in solids for i in s.shapes]
-        moved = np.zeros((len(rows), len(rates)))
-        np.cumsum(np.abs(np.diff(rows, axis=0)) @ rates.T, axis=0, out=moved[1:])
-        least, what, k = np.inf, "", 0
-        while True:
-            distances = list(scene.own_distances(rows[k]))
-            for solid in solids:
-                distances += scene.distances(solid.solid, solid.placement, solid.shapes)
-            room = np.array(distances)
-            i = int(np.argmin(room)) if room.size else -1
-            if room.size and room[i] < least:
-                least, what = float(room[i]), names[i]
+        self._avoid(box)
+        seen = [i for i, active in enumerate(self._geometry.activeCollisionPairs) if active]
+        if not seen:
+            return Clear(np.inf, "", None)
+        moved = np.zeros((len(rows), len(seen)))
+        np.cumsum(np.abs(np.diff(rows, axis=0)) @ self._bounds[seen].T, axis=0, out=moved[1:])
+        least, what = np.inf, ""
+        # The middle of what is not yet shown to be clear, the longest first: it splits in two.
+        waiting = deque([(0, len(rows) - 1)])
+        while waiting:
+            low, high = waiting.popleft()
+            k = (low + high) // 2
+            room = self._distances(rows[k])[seen]
+            i = int(np.argmin(room))
+            if room[i] < least:
+                least, what = float(room[i]), self._names[seen[i]]
             if least < self.margin:
                 return Clear(least, what, k)
-            if k == len(rows) - 1:
-                return Clear(least, what, None)
-            far = ((moved[k + 1 :] - moved[k]) > room - self.margin).any(axis=1)
-            k = k + 1 + int(np.argmax(far)) if far.any() else len(rows) - 1
+            asked = max(self.margin, least - SHARP) if sharp else self.margin
+            near = (np.abs(moved[low : high + 1] - moved[k]) <= room - asked).all(axis=1)
+            before, after = np.flatnonzero(~near[: k - low]), np.flatnonzero(~near[k - low :])
+            if before.size:
+                waiting.append((low, low + int(before[-1])))
+            if after.size:
+                waiting.append((k + int(after[0]), high))
+        return Clear(least, what, None)
+
+    def _distances(self, q: Array) -> Array:
+        model, data, geometry = self._robot.model, self._robot.data, self._geometry
+        pin.computeDistances(model, data, self._shapes, geometry, q)
+        results = geometry.distanceResults
+        return np.fromiter((result.min_distance for result in results), float, len(self._names))
+
+    def _avoid(self, box: Obstacle | None) -> None:
+        """Look at no shape's distance to the object but those that must keep off it."""
+        wanted: frozenset[int] = frozenset()
+        if box is not None:
+            self._object.placement, wanted = box.placement, box.shapes
+        for shape in wanted - self._avoided:
+            self._geometry.activateCollisionPair(self._first + shape)
+        for shape in self._avoided - wanted:
+            self._geometry.deactivateCollisionPair(self._first + shape)
+        self._avoided = wanted
+
+    def _keep_off(self, name: str, solid: Any, shapes: list[int], reach: Array) -> int:
+        """Add a solid that shapes must not touch, and return its number."""
+        thing = pin.GeometryObject(name, 0, 0, pin.SE3.Identity(), solid)
+        number = int(self._shapes.addGeometryObject(thing))
+        for shape in shapes:
+            self._shapes.addCollisionPair(pin.CollisionPair(shape, number))
+            self._rates.append(reach[shape])
+            self._names.append(f"{self._shapes.geometryObjects[shape].name} and the {name}")
+        return number
 
 
-def _axes(h: Array, yaw: float) -> Array:
+def _box(size: Array) -> Any:
+    import coal
+
+    return coal.Box(*size)
+
+
+def _between(scene: Scene, reach: Array, first: int, second: int) -> Array:
+    """Return how fast two shapes approach at most, (n,) m/rad: by what lies between them only."""
+    low, high = sorted((scene.links[first], scene.links[second]))
+    far = first if scene.links[first] == high else second
+    rates = np.zeros(reach.shape[1])
+    rates[low:high] = reach[far, low:high]
+    return rates
+
+
+def axes_along(h: Array, yaw: float) -> Array:
     """Return the axes (3, 3) of a box along h, across it and upwards, turned by yaw (rad)."""
     across = np.cross([0.0, 0.0, 1.0], h)
     size = float(np.linalg.norm(across))

@@ -188,22 +188,12 @@ class Stroke:
     def at(self, times: Array) -> Joints:
         """Return the joints at times (N,) s."""
         t = np.asarray(times)[:, None] - self.impact
-        if (t <= 0).all():
-            return winding_up(self.q_hit, self.velocity, self.curvature, self.wind_up, t)
-        T = self.wind_up.time
-        up, down = self.wind_up.up(t + T), self.stop.down(t - self.coast)
-        before, after = t < 0, t > self.coast
-        none = np.zeros_like(t)
-        steady = Progress(t, none + 1.0, none, none)
-        up = up._replace(way=up.way - T / 2)
-        down = down._replace(way=down.way + self.coast)
-        s, s1, s2, s3 = (
-            np.where(before, a, np.where(after, b, c))
-            for a, b, c in zip(up, down, steady, strict=True)
-        )
-        waiting = (t + T < 0) | (t > self.coast + self.stop.time)
-        s1, s2, s3 = (np.where(waiting, 0.0, value) for value in (s1, s2, s3))
-        return _along(self.q_hit, self.velocity, self.curvature, Progress(s, s1, s2, s3))
+        before = t[:, 0] < 0
+        curve = self.q_hit, self.velocity, self.curvature
+        up = winding_up(*curve, self.wind_up, t[before])
+        down = slowing_down(*curve, self.coast, self.stop, t[~before])
+        rows = np.argsort(np.concatenate((np.flatnonzero(before), np.flatnonzero(~before))))
+        return Joints(*(np.concatenate(both)[rows] for both in zip(up, down, strict=True)))
 
 
 def winding_up(q_hit: Array, velocity: Array, curvature: Array, ramp: Ramp, t: Array) -> Joints:
@@ -215,6 +205,23 @@ def winding_up(q_hit: Array, velocity: Array, curvature: Array, ramp: Ramp, t: A
     s, s1, s2, s3 = up._replace(way=up.way - ramp.time / 2)
     waiting = t + ramp.time < 0
     s2, s3 = (np.where(waiting, 0.0, value) for value in (s2, s3))
+    return _along(q_hit, velocity, curvature, Progress(s, s1, s2, s3))
+
+
+def slowing_down(
+    q_hit: Array, velocity: Array, curvature: Array, coast: float, ramp: Ramp, t: Array
+) -> Joints:
+    """Return the joints of stops at times t >= 0 after the impact, in s; see `winding_up`.
+
+    The velocity is kept for `coast` s at first.
+    """
+    down = ramp.down(t - coast)
+    none, coasting = np.zeros_like(t), t <= coast
+    steady = Progress(t, none + 1.0, none, none)
+    down = down._replace(way=down.way + coast)
+    s, s1, s2, s3 = (np.where(coasting, a, b) for a, b in zip(steady, down, strict=True))
+    rests = t > coast + ramp.time
+    s1, s2, s3 = (np.where(rests, 0.0, value) for value in (s1, s2, s3))
     return _along(q_hit, velocity, curvature, Progress(s, s1, s2, s3))
 
 

@@ -40,6 +40,7 @@ class Samples(NamedTuple):
         inertia: (N,) kg.
         lower: (N, n) rad/s, the velocity boxes there.
         upper: (N, n) rad/s, the velocity boxes there.
+        qd: (N, n) rad/s, the fastest straight motions within them.
         flux: (N,) m/s, the greatest that can be delivered straight along the direction.
     """
 
@@ -48,10 +49,11 @@ class Samples(NamedTuple):
     inertia: Array
     lower: Array
     upper: Array
+    qd: Array
     flux: Array
 
 
-def draw(robot: Robot, hit: Hit, limits: DriveLimits, near: Array, seed: int) -> Array:
+def draw(robot: Robot, hit: Hit, near: Array, seed: int) -> Array:
     """Return configurations (N, n) rad, each in the turn nearest to `near` (n,) rad.
 
     Raises:
@@ -95,21 +97,28 @@ def measured(robot: Robot, hit: Hit, limits: DriveLimits, q: Array) -> Samples:
     ends = robot.lower, robot.upper
     if hit.flux is None:
         first = velocity_box(limits, q, *ends)
-        speed = np.maximum(_fastest(J, h, *first), 1e-6)
+        speed = np.maximum(_fastest(J, h, *first)[1], 1e-6)
     else:
         speed = hit.flux / np.maximum(share, 1e-9)
     lower, upper = velocity_box(limits, q, *ends, COAST / speed[:, None])
-    return Samples(q, J, inertia, lower, upper, share * _fastest(J, h, lower, upper))
+    qd, speed = _fastest(J, h, lower, upper)
+    return Samples(q, J, inertia, lower, upper, qd, share * speed)
 
 
-def _fastest(J: Array, h: Array, lower: Array, upper: Array) -> Array:
-    """Return the greatest straight speeds (N,) m/s within boxes (N, n)."""
+def joined(one: Samples, other: Samples) -> Samples:
+    """Return all of two."""
+    return Samples(*(np.concatenate(both) for both in zip(one, other, strict=True)))
+
+
+def _fastest(J: Array, h: Array, lower: Array, upper: Array) -> tuple[Array, Array]:
+    """Return the fastest straight motions (N, n) rad/s in boxes (N, n), and their speeds (N,)."""
     basis = np.linalg.svd(h[None, :])[2][1:]
     pull, across = h @ J, basis @ J
     qd = straight_velocities(pull, across, lower, upper)
     speed = (pull * qd).sum(axis=1)
     sideways = np.linalg.norm((across @ qd[:, :, None])[:, :, 0], axis=1)
-    return np.where((speed > 0) & (sideways <= SIDEWAYS * np.abs(speed) + 1e-9), speed, 0.0)
+    straight = (speed > 0) & (sideways <= SIDEWAYS * np.abs(speed) + 1e-9)
+    return qd, np.where(straight, speed, 0.0)
 
 
 def spread_out(

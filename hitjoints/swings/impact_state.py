@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -22,6 +22,22 @@ SMALLEST = 1e-3
 """rad/s, least width of the box that weighs a joint: one at its limit is not used at all costs."""
 EXACT = 1e-9
 """m/s, by which a velocity may miss the one wanted."""
+
+
+class StateAtHit(NamedTuple):
+    """A configuration and its joint velocity at the impact.
+
+    Attributes:
+        q: (n,) rad.
+        qd: (n,) rad/s.
+        J: (3, n) m/rad.
+        speed: m/s along the direction.
+    """
+
+    q: Array
+    qd: Array
+    J: Array
+    speed: float
 
 
 def impact_velocity(

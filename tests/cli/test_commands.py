@@ -52,6 +52,22 @@ def test_inspect_json_agrees_with_the_api(run):
     assert 1 / inertia == pytest.approx(unit @ np.array(found["inverse_inertia"]) @ unit)
 
 
+def test_inspect_a_plan_says_what_the_plan_says(run, tmp_path):
+    file = tmp_path / "plan.json"
+    planned = run(
+        "plan", "--robot", "iiwa7", "--joint", "6", "--mass", "1.5", "--no-certificate",
+        "--json", "--out", file,
+    ).json["best"]  # fmt: skip
+    found = run("inspect", "--plan", file, "--json").json
+    assert found["robot"] == "iiwa7"
+    assert found["q"] == planned["q"]
+    for name in ("joint", "inertia", "speed", "straight_speed", "flux", "straight_flux"):
+        assert found[name] == pytest.approx(planned[name], rel=1e-7), name
+    assert run("inspect", "--plan", file, "--joint", "7").code == 1
+    elsewhere = run("inspect", "--plan", file, "--q", "0,0.5,0,-1,0,1,0", "--json").json
+    assert elsewhere["q"] == [0, 0.5, 0, -1, 0, 1, 0]
+
+
 def test_inspect_infeasible_direction(run):
     # The elbow (joint 4) moves on a sphere about joint 2, so not along the line between them.
     q = [0, 0.5, 0, -1, 0, 0, 0]

@@ -17,8 +17,9 @@ from hitjoints.evidence.paper.spread import study_spread
 from hitjoints.evidence.paper.table import as_csv, as_markdown, shown
 from hitjoints.evidence.paper.variants import VARIANTS, phantom_robot
 from hitjoints.hitting.step import Gains
-from hitjoints.show.figures import save_figure
 from hitjoints.show.paper_figures import draw_reproduction
+from hitjoints.show.sheet import save_figure
+from hitjoints.show.style import Look
 
 H = np.array([0.0, 1.0, 0.0])
 OBJECT = np.array([0.5, 0.3, 0.5])
@@ -365,7 +366,7 @@ def test_the_spread_is_the_same_every_time(arm):
 def test_figures_are_drawn(reproduction, tmp_path):
     from matplotlib.image import imread
 
-    figures = draw_reproduction(reproduction)
+    figures = draw_reproduction(reproduction, Look())
     assert list(figures) == ["fig2", "fig4", "fig5", "fig6", "spread"]
     for name, figure in figures.items():
         save_figure(figure, tmp_path / f"{name}.png")

@@ -26,12 +26,15 @@ def broken_limits(result: Rollout) -> int:
     A position that was clipped counts too: the velocity before would have led beyond.
     """
     robot, q, qd = result.robot, result.rows["q"], result.rows["qd"]
+    kept = result.parameters.get("acceleration_limits")
+    change = np.abs(np.diff(qd, axis=0, prepend=0.0))
+    too_hard = change > result.dt * np.array(kept) if kept else np.zeros(1)
     forced = result.parameters["torque_limits"]
     too_strong = np.abs(result.rows["torque"]) > robot.effort if forced else np.zeros(1)
     beyond = (q < robot.lower) | (q > robot.upper)
     too_fast = (qd < robot.velocity_lower) | (qd > robot.velocity_upper)
     clipped = np.abs(q[1:] - q[:-1] - result.dt * qd[:-1]) > 1e-12
-    return int(beyond.sum() + too_fast.sum() + too_strong.sum() + clipped.sum())
+    return int(beyond.sum() + too_fast.sum() + too_strong.sum() + too_hard.sum() + clipped.sum())
 
 
 def random_cases(count: int, seed: int = 0) -> Iterator[tuple[Robot, Hit, Any, Any, Any]]:
@@ -55,12 +58,13 @@ def random_cases(count: int, seed: int = 0) -> Iterator[tuple[Robot, Hit, Any, A
         yield robot, hit, q0, goal, ("optimised", "constant")[i % 2]
 
 
-def random_rollouts(count: int, seed: int = 0, *, torque_limits: bool = False) -> Iterator[Rollout]:
-    """Yield rollouts of three arms from random starts, half of them with joints at a limit."""
+def random_rollouts(count: int, seed: int = 0, **kept: bool) -> Iterator[Rollout]:
+    """Yield rollouts of three arms from random starts, half of them with joints at a limit.
+
+    `kept` are torque_limits and acceleration_limits, of `rollout`.
+    """
     for robot, hit, q0, goal, reference in random_cases(count, seed):
-        yield rollout(
-            robot, hit, q0=q0, q_hit=goal, reference=reference, torque_limits=torque_limits
-        )
+        yield rollout(robot, hit, q0=q0, q_hit=goal, reference=reference, **kept)
 
 
 def feasible_hits(

@@ -12,12 +12,13 @@ from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.errors import InputError
 from hitjoints.hitting.drive_limits import SHAPING, drive_limits
 from hitjoints.hitting.velocity_box import velocity_box
-from hitjoints.swings.clear_way import Room
+from hitjoints.swings.clear_way import SHARP, Room
 from hitjoints.swings.curves import Motion, Standing, Stroke, line_between
 from hitjoints.swings.hit_samples import draw, folded, measured
 from hitjoints.swings.impact_state import impact_velocity, straightening
 from hitjoints.swings.ramps import least_time, ramp_of
 
+SIZE = np.array([0.1, 0.1, 0.1])
 OBJECT, ALONG = np.array([0.5, 0.3, 0.5]), np.array([0.0, 1.0, 0.0])
 
 
@@ -207,7 +208,7 @@ def test_samples_deliver_what_highs_says(arm):
     robot = arm("iiwa14")
     hit = hj.Hit(6, OBJECT, ALONG, 2.0, 0.2)
     limits = drive_limits(robot)
-    samples = measured(robot, hit, limits, draw(robot, hit, limits, robot.home, 0))
+    samples = measured(robot, hit, limits, draw(robot, hit, robot.home, 0))
     across = np.linalg.svd(ALONG[None])[2][1:]
     for i in range(0, len(samples.q), 50):
         J = jacobian(robot, samples.q[i], 6)
@@ -238,7 +239,7 @@ def test_the_nearest_turn_is_taken(arm):
 def test_few_looks_show_that_a_way_is_clear(arm):
     """Against looking at every row."""
     robot = arm("iiwa14")
-    room, rng, verdicts = Room(robot, 0.005, 0.0), np.random.default_rng(8), set()
+    room, rng, verdicts = Room(robot, 0.005, 0.0, SIZE), np.random.default_rng(8), set()
     for _ in range(25):
         start, end = rng.uniform(robot.lower, robot.upper, (2, 7))
         rows = start + 0.3 * np.linspace(0, 1, 150)[:, None] * (end - start)
@@ -246,7 +247,11 @@ def test_few_looks_show_that_a_way_is_clear(arm):
         each = [room.check(row[None], None).least for row in rows]
         assert (seen.row is None) == (min(each) >= 0.005)
         if seen.row is not None:
-            assert seen.row == next(i for i, least in enumerate(each) if least < 0.005)
+            assert each[seen.row] == pytest.approx(seen.least)
+            assert room.touches(rows[seen.row], None)
+        else:
+            sharp = room.check(rows, None, sharp=True)
+            assert sharp.least == pytest.approx(min(each), abs=SHARP)
         verdicts.add(seen.row is None)
     assert verdicts == {True, False}
 

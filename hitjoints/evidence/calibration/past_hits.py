@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from hitjoints.constants import GRAVITY
 from hitjoints.errors import InputError
 from hitjoints.evidence.calibration.landing_law import LEVEL, LandingInterval, LandingLaw
 from hitjoints.evidence.calibration.landing_rows import PastLanding, read
+from hitjoints.plotted import Plotted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -46,7 +47,7 @@ class HeldOut(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Calibration:
+class Calibration(Plotted):
     """What past hits tell of an object.
 
     Attributes:
@@ -55,6 +56,8 @@ class Calibration:
         object: `restitution`, `friction` and their standard deviations `spread`, for a hit.
         law: of the landings; None where no box was followed to its rest.
     """
+
+    drawn_by: ClassVar[str] = "calibration"
 
     landings: tuple[PastLanding, ...] = field(repr=False)
     notes: tuple[str, ...]

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from hitjoints.evidence.physics.slide import turned
 from hitjoints.goals.box_rest import rest_at
+from hitjoints.plotted import Plotted
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -71,7 +72,7 @@ class Cause:
 
 
 @dataclass(frozen=True, eq=False)
-class Simulation:
+class Simulation(Plotted):
     """A planned hit, predicted and simulated.
 
     Attributes:
@@ -87,6 +88,8 @@ class Simulation:
         predicted_rest: where the box should come to rest; None where it does not simply slide.
         unpredicted: why it does not.
     """
+
+    drawn_by: ClassVar[str] = "simulation"
 
     motion: Rollout
     mode: Mode
@@ -170,6 +173,7 @@ class Simulation:
             unit, words, dimensions = VARIABLES[name]
             along[name] = (dimensions, values, {"units": unit, "long_name": words})
         attributes = origin(self.motion.robot) | {"mode": self.mode, "mass": self.impact.mass}
+        attributes["hit"] = self.motion.parameters["hit"]
         attributes |= {name: _plain(value) for name, value in asdict(self.setting).items()}
         for kind, said in (("predicted", asdict(self.predicted)), ("simulated", self.simulated)):
             attributes |= {f"{kind}_{k}": v for k, v in said.items() if v is not None}

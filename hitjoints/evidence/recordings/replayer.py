@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from hitjoints.evidence.recordings.shown_mass import (
 from hitjoints.loading.catalogue import robot_names
 from hitjoints.loading.load import load_robot
 from hitjoints.model.robot import Contact, Robot
+from hitjoints.plotted import Plotted
 from hitjoints.vectors import positive_mass, unit
 
 if TYPE_CHECKING:
@@ -56,8 +57,10 @@ REMARKS = {
 
 
 @dataclass(frozen=True, eq=False)
-class Replay:
+class Replay(Plotted):
     """Recorded hits beside the model: `hits`, one per robot's file, in the order of the files."""
+
+    drawn_by: ClassVar[str] = "replay"
 
     hits: tuple[ReplayedHit, ...]
 

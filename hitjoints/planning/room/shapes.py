@@ -112,17 +112,24 @@ class Scene:
     def _surface(self, here: Array, h: Array, shapes: list[int]) -> float:
         """Return how far ahead of a point the outermost surface of some shapes is, or 0.
 
-        From outside, a step as long as the distance to the nearest shape never passes one.
+        From outside, a convex shape lies beyond the plane through its nearest point: until the ray
+        meets that plane it does not meet the shape.
         """
         import coal
 
         point = coal.Sphere(SURFACE)
-        farthest = (self._distance(i, point, coal.Transform3s(np.eye(3), here)) for i in shapes)
+        beside = [self._off(i, point, coal.Transform3s(np.eye(3), here))[0] for i in shapes]
         boxes = (2 * self.solids[i].aabb_radius for i in shapes)
-        ahead = max((d + b for d, b in zip(farthest, boxes, strict=True)), default=0.0) + SURFACE
+        ahead = max((d + b for d, b in zip(beside, boxes, strict=True)), default=0.0) + SURFACE
         for _ in range(LOOKS):
-            at = coal.Transform3s(np.eye(3), here + ahead * h)
-            step = min((self._distance(i, point, at) for i in shapes), default=np.inf)
+            at, step = coal.Transform3s(np.eye(3), here + ahead * h), np.inf
+            for i in shapes:
+                distance, away = self._off(i, point, at)
+                towards = float(away @ h)
+                if distance <= 0:
+                    step = 0.0
+                elif towards > 0:
+                    step = min(step, distance / towards)
             if step <= 0:
                 break
             ahead -= step + SURFACE
@@ -131,14 +138,18 @@ class Scene:
         return ahead
 
     def _distance(self, shape: int, solid: Any, placement: Any) -> float:
+        return self._off(shape, solid, placement)[0]
+
+    def _off(self, shape: int, solid: Any, placement: Any) -> tuple[float, Array]:
+        """Return the distance of a shape from a solid, and the direction (3,) to there."""
         import coal
 
         where = self.geometry.oMg[shape]
         at = coal.Transform3s(where.rotation, where.translation)
         result = coal.DistanceResult()
-        return float(
-            coal.distance(self.solids[shape], at, solid, placement, coal.DistanceRequest(), result)
-        )
+        request = coal.DistanceRequest()
+        found = coal.distance(self.solids[shape], at, solid, placement, request, result)
+        return float(found), result.normal
 
 
 _OF_THREAD = threading.local()

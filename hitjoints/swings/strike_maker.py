@@ -1,0 +1,161 @@
+"""A whole motion for a strike: there, through the impact, to rest; and whether it can be sent."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from hitjoints.swings.clear_way import Clear, Obstacle, Room
+from hitjoints.swings.curves import Joints, Motion, Piece, Standing, Stroke
+from hitjoints.swings.impact_state import StateAtHit, impact_velocity
+from hitjoints.swings.motion_limits import greatest_ratios, torques
+from hitjoints.swings.stroke_search import StrokeSearch
+from hitjoints.swings.way_there import way_there
+
+if TYPE_CHECKING:
+    from collections import Counter
+
+    from hitjoints.hit import Hit
+    from hitjoints.hitting.drive_limits import DriveLimits
+    from hitjoints.model.robot import Robot
+    from hitjoints.swings.hit_samples import Samples
+    from hitjoints.types import Array
+
+SLOWEST, TOO_SLOW = 5e-3, "slower than 5 mm/s"
+"""m/s, less speed at the impact would take minutes of winding up."""
+
+
+class Struck(NamedTuple):
+    """A motion that strikes.
+
+    Attributes:
+        row: of the samples, where it strikes.
+        motion: from rest to rest.
+        stroke: its part that strikes.
+        sample: number of the one at the impact.
+        box: the object as it is hit, None where shapes are not known.
+    """
+
+    row: int
+    motion: Motion
+    stroke: Stroke
+    sample: int
+    box: Obstacle | None
+
+
+class StrikeMaker:
+    """Makes motions of one arm for one hit.
+
+    Args:
+        robot: the arm and the hit.
+        hit: the arm and the hit.
+        limits: of its drives.
+        room: what is around.
+        start: (n,) rad, where the arm is.
+        dt: s, spacing of the samples.
+        rng: of what is drawn.
+        reasons: counts what is in the way.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        hit: Hit,
+        limits: DriveLimits,
+        room: Room,
+        start: Array,
+        dt: float,
+        rng: np.random.Generator,
+        reasons: Counter[str],
+    ) -> None:
+        self.robot, self.hit, self.limits, self.room = robot, hit, limits, room
+        self.start, self.dt, self.rng, self.reasons = start, dt, rng, reasons
+        self.search = StrokeSearch(robot, hit, limits, room, rng)
+
+    def strike(
+        self, samples: Samples, row: int, flux: float, box: Obstacle | None
+    ) -> Struck | None:
+        """Return a motion that strikes in the configuration of a row with a flux (m/s)."""
+        most = (1.0 - 1e-9) * float(samples.flux[row])
+        share = float(samples.inertia[row] / (samples.inertia[row] + self.hit.mass))
+        speed = min(flux, most) / share
+        if speed < SLOWEST:
+            self.reasons[TOO_SLOW] += 1
+            return None
+        J, ends = samples.J[row], (samples.lower[row], samples.upper[row])
+        qd = impact_velocity(J, self.hit.direction, *ends, speed)
+        if qd is None:
+            self.reasons["no certified velocity"] += 1
+            return None
+        strike = StateAtHit(samples.q[row], qd, J, speed)
+        for stroke, reason in self.search.strokes(strike, box):
+            whole = reason if stroke is None else self._whole(stroke, box)
+            if not isinstance(whole, str):
+                return Struck(row, *whole, box)
+            self.reasons[whole] += 1
+            if whole.startswith("way there"):
+                break
+        return None
+
+    def _whole(self, stroke: Stroke, box: Obstacle | None) -> tuple[Motion, Stroke, int] | str:
+        """Return the motion with this stroke, or what is in its way."""
+        if not self._kept(stroke.at(stroke.corners)):
+            return "limits, where a ramp is short"
+        way = way_there(
+            self.robot,
+            self.limits,
+            self.room,
+            self.room.whole(box),
+            self.start,
+            stroke.start,
+            self.rng,
+        )
+        if isinstance(way, str):
+            return way
+        before = sum(line.duration for line in way) + stroke.impact
+        sample = math.ceil(before / self.dt - 1e-6)
+        # The arm waits at first, so that the impact falls on a sample.
+        waiting = Standing(self.start, max(sample * self.dt - before, 0.0))
+        pieces: list[Piece] = [waiting, *way, stroke]
+        whole = sum(piece.duration for piece in pieces)
+        ended = math.ceil(whole / self.dt - 1e-6) + 1
+        motion = Motion([*pieces, Standing(stroke.end, ended * self.dt - whole)])
+        return motion, stroke, sample
+
+    def _kept(self, joints: Joints) -> bool:
+        """Tell whether positions, their derivatives and torques are within limits."""
+        robot, limits = self.robot, self.limits
+        inside = ((joints.q >= robot.lower) & (joints.q <= robot.upper)).all()
+        if not inside or max(greatest_ratios(limits, joints)) > 1.0:
+            return False
+        return bool((np.abs(torques(robot, limits, joints)) <= limits.effort).all())
+
+    def look(self, struck: Struck) -> tuple[str, Clear]:
+        """Look at a whole motion densely: at every sample and between them.
+
+        Returns:
+            What is wrong, if anything, and what is nearest on the way.
+        """
+        robot, limits, motion = self.robot, self.limits, struck.motion
+        step = min(self.dt, 1e-3) / 2
+        times: Array = step * np.arange(int(motion.duration / step) + 1.0)
+        joints = motion.at(times)
+        nowhere = Clear(np.inf, "", None)
+        if max(greatest_ratios(limits, joints)) > 1.0:
+            return "limits, looked at densely", nowhere
+        if ((joints.q < robot.lower) | (joints.q > robot.upper)).any():
+            return "position limits, looked at densely", nowhere
+        if (np.abs(torques(robot, limits, joints)) > limits.effort).any():
+            return "torque, looked at densely", nowhere
+        hit = round(struck.sample * self.dt / step)
+        begun = hit - math.floor(struck.stroke.impact / step)
+        astray = self.search.astray(Joints(*(rows[begun : hit + 1] for rows in joints)))
+        if astray:
+            return f"{astray}, looked at densely", nowhere
+        before = self.room.check(joints.q[: hit + 1], struck.box, sharp=True)
+        after = self.room.check(joints.q[hit:], None, sharp=True)
+        clear = before.row is None and after.row is None
+        nearest = min(before, after, key=lambda seen: seen.least)
+        return "" if clear else "collision, looked at densely", nearest
