@@ -106,7 +106,7 @@ from .rollouts.follow import rollout as rollout
 from .rollouts.many_record import Rollouts as Rollouts
 from .rollouts.side_by_side import rollouts as rollouts
 from .show import figures as figures
-from .show.open_viewer import view as view
+from .show.viewer.open_viewer import view as view
 from .swings.make_swing import swing as swing
 from .swings.swing_record import Swing as Swing
 from .version import __version__ as __version__

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
@@ -62,6 +63,7 @@ UNITS = {
 PACKAGES = ("pin", "numpy")
 
 
+@cache  # finding them takes a millisecond
 def versions() -> str:
     """Return the versions of hitjoints and of what its numbers hang on."""
     others = ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES)
