@@ -7,7 +7,7 @@ LOWEST ?= .venv-lowest
 # Tests that use every dependency, in about two minutes.
 QUICK := $(addprefix tests/,cli datasets maps dynamics/test_mobility.py programs/test_programs_proxqp.py \
 	robots/test_robot.py kernels/test_kernel.py show/test_viewer.py evidence/test_physics_strike.py \
-	planning/test_learning.py)
+	planning/test_learning.py docs/test_notebook.py)
 
 .PHONY: demo test lowest lint bench docs figures clean
 
@@ -16,9 +16,9 @@ demo: $(VENV)/demo-ready
 	$(BIN)/hitjoints plan --object 0.5,0.3,0.5 --direction 0,1,0 --mass 2 --out out/plan.json --plot out/plan.png
 	$(BIN)/hitjoints swing --plan out/plan.json --out out/trajectory.csv --plot out/swing.png
 	@echo "Planned, and made a motion that a controller can be sent. Pictures: out/plan.png, out/swing.png. Next:"
-	@echo "  $(BIN)/hitjoints sweep joint --plot out/fig2.png         inertia, speed and flux of each joint (the paper's Fig. 2)"
-	@echo "  $(BIN)/hitjoints inspect --impact all --contact-time 0.01  the mass that a real arm shows"
-	@echo "  $(BIN)/hitjoints plan --robot path/to/your_arm.urdf        the same for your arm"
+	@echo "  $(BIN)/hitjoints hit --goal 0.5,0.4,0.5 --restitution 0.5 --friction 0.3 --out out/hit    a box, from A to B"
+	@echo "  $(BIN)/hitjoints sweep joint --plot out/fig2.png    inertia, speed and flux of each joint (the paper's Fig. 2)"
+	@echo "  $(BIN)/hitjoints plan --robot path/to/your_arm.urdf    the same for your arm"
 
 test: $(VENV)/ready
 	$(BIN)/python -m pytest

@@ -25,7 +25,7 @@ def told(typed: Mapping[str, Any]) -> dict[str, Any]:
     """
     from hitjoints.errors import InputError
 
-    file, plan = typed.get("file"), typed.get("plan")
+    file, plan, shown = typed.get("file"), typed.get("plan"), typed.get("shown")
     if file is not None and plan is not None:
         raise InputError("hit", file, f"the plan {plan} says which hit already")
     if file is not None:
@@ -36,6 +36,8 @@ def told(typed: Mapping[str, Any]) -> dict[str, Any]:
         from hitjoints.planning.plan_file import load_plan
 
         return options_of(load_plan(plan).chosen_hit)  # what is typed must agree with it
+    elif shown is not None:
+        return _shown(shown)
     else:
         return {}
     if any(way in typed for way in WAYS):
@@ -45,14 +47,27 @@ def told(typed: Mapping[str, Any]) -> dict[str, Any]:
     return values
 
 
+def _shown(path: Path) -> dict[str, Any]:
+    """Return what the file that `view` is given says."""
+    from hitjoints.show.viewer.shown_file import read_shown
+
+    held = read_shown(path)
+    if held.plan is not None:
+        return options_of(held.plan.chosen_hit)
+    values = {} if held.hit is None else options_of(held.hit)
+    return ({} if held.robot is None else {"robot": held.robot.source}) | values
+
+
 def options_of(hit: Hit) -> dict[str, Any]:
     """Return a hit as the options that would say it, by name."""
     given, setting = hit.as_dict(), hit.setting
     said: dict[str, Any] = {}
     for name in ("position", "size", "object_size", "q0", "goal", "direction", "offset"):
         for table in given.values():
-            if isinstance(table, dict) and name in table:
+            if isinstance(table, dict) and name in table and not isinstance(table[name][0], list):
                 said[name] = _typed(table[name])
+    for name, value in given.get("limits", {}).items():
+        said[name] = _typed(value if isinstance(value, list) else [value])
     if "direction" in said:
         said["direction"] = [said["direction"]]
     wish, thing = given["wish"], given["object"]

@@ -104,9 +104,13 @@ class SettingOptions(OptionGroup):
         ),
     ] = None
     elastic: Annotated[
-        bool,
-        typer.Option("--elastic", help="Motors on springs; then a contact lasts 0.01 s."),
-    ] = False
+        bool | None,
+        typer.Option(
+            "--elastic/--no-elastic",
+            help="Motors on springs; then a contact lasts 0.01 s. "
+            "(default: if the hit reckons with them)",
+        ),
+    ] = None
     stiffness: StiffnessOption = None
     rotor_inertia: RotorOption = None
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from hitjoints.errors import InputError, ModelError
 from hitjoints.model.turns import nearest_turn, search_range
+from hitjoints.told import Told
 from hitjoints.vectors import all_finite, real
 
 if TYPE_CHECKING:
@@ -61,8 +62,8 @@ class Contact:
         return type(self), (self.joint, self.offset)
 
 
-@dataclass(frozen=True, eq=False)
-class Robot:
+@dataclass(frozen=True, eq=False, repr=False)
+class Robot(Told):
     """A fixed-base serial arm. Made by `load_robot`; equal when every quantity is.
 
     Threads may share one; processes get a copy each, by pickle.
@@ -88,6 +89,7 @@ class Robot:
             matrix holds `model.armature` instead, which is zero unless the TOML says otherwise.
         joint_stiffness: (n,) N m/rad, of the gears and torque sensors; None when not known.
         provenance: where each of these four comes from, by name.
+        asked: the arguments of `load_robot` it was made with; None where no file can hold them.
         kept: what others have derived from it, such as compiled formulas; not copied along.
     """
 
@@ -108,6 +110,7 @@ class Robot:
     rotor_inertia: NDArray[np.float64] | None = field(default=None, repr=False)
     joint_stiffness: NDArray[np.float64] | None = field(default=None, repr=False)
     provenance: Mapping[str, str] = field(default_factory=dict, repr=False)
+    asked: Mapping[str, Any] | None = field(default=None, repr=False)
     kept: dict[Any, Any] = field(default_factory=dict, repr=False, init=False)
     _local: threading.local = field(default_factory=threading.local, repr=False, init=False)
 
@@ -116,6 +119,11 @@ class Robot:
         for name in ("acceleration", "jerk", "rotor_inertia", "joint_stiffness"):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, _frozen(getattr(self, name)))
+
+    @property
+    def words(self) -> str:
+        """What it is, in a line."""
+        return f"{self.name}: {self.n} joints, hits with {', '.join(map(str, self.hitting_joints))}"
 
     def __reduce__(self) -> tuple[type[Robot], tuple[Any, ...]]:
         """Pickle what it was made of: work spaces and derived models stay with their process."""

@@ -14,6 +14,7 @@ from hitjoints.planning.candidates import Candidate, Verdict, plain
 from hitjoints.planning.start import Start
 from hitjoints.planning.torque_cost import TorqueCost
 from hitjoints.plotted import Plotted
+from hitjoints.told import Told
 
 if TYPE_CHECKING:
     from hitjoints.hit import Hit
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
     from hitjoints.types import Array
 
 
-@dataclass(frozen=True, eq=False)
-class Plan(Plotted):
+@dataclass(frozen=True, eq=False, repr=False)
+class Plan(Told, Plotted):
     """The answer: one candidate per joint, and the best of them.
 
     Attributes:
@@ -91,6 +92,19 @@ class Plan(Plotted):
         return "; ".join(parts)
 
     @property
+    def words(self) -> str:
+        """The answer, in a line."""
+        asked = f"{self.robot}, {self.objective}, {self.hit.words}"
+        if self.best is None:
+            return f"{asked}: no joint can do it"
+        one = self.best
+        return f"{asked}: joint {one.joint}, {one.inertia:.4g} kg, {one.speed:.4g} m/s"
+
+    def lines(self) -> list[tuple[str, object]]:
+        """Return what it says about each joint."""
+        return [(f"joint {one.joint}", _in_short(one)) for one in self.candidates]
+
+    @property
     def _flux_by(self) -> str:
         return "deliverable" if self.deliverable else "speed"
 
@@ -133,10 +147,9 @@ class Plan(Plotted):
         Raises:
             InputError: the plan does not know where it is from, or it has changed since.
         """
-        choice = self.hit.setting.robot
-        if choice is None:
+        if self.hit.setting.robot is None:
             raise InputError("robot", self.robot, "the plan does not say how to load it")
-        return self.check_robot(choice.load())
+        return self.check_robot(self.hit.setting.arm())
 
     def check_robot(self, robot: Robot) -> Robot:
         """Return a robot that is the one the plan was made for.
@@ -174,9 +187,9 @@ class Plan(Plotted):
             InputError: it cannot be loaded, or is another than the plan was made for.
             InfeasibleError: no joint can do it.
         """
-        arm, hit = self.load_robot() if robot is None else self.check_robot(robot), self.chosen_hit
+        setting, hit = self.hit.setting, self.chosen_hit
+        arm = self.load_robot() if robot is None else setting.arm(self.check_robot(robot))
         assert self.best is not None
-        setting = self.hit.setting
         return arm, hit, {"q_hit": self.best.q, "q0": setting.q0, "seed": setting.seed}
 
     def __eq__(self, other: object) -> bool:
@@ -184,3 +197,11 @@ class Plan(Plotted):
         return isinstance(other, Plan) and self.as_dict() == other.as_dict()
 
     __hash__ = None  # type: ignore[assignment]
+
+
+def _in_short(one: Verdict) -> str:
+    if not one.feasible:
+        return f"no: {one.reason}"
+    flux = one.flux if one.deliverable_flux is None else one.deliverable_flux
+    kind = "flux" if one.deliverable_flux is None else "deliverable flux"
+    return f"{one.inertia:.4g} kg, {one.speed:.4g} m/s, {kind} {flux:.4g} m/s; {one.reason}"

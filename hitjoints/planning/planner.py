@@ -13,14 +13,15 @@ from hitjoints.datasets.describe import origin
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.first_argument import by_first_argument
 from hitjoints.goals.landing import landing
-from hitjoints.hit import Hit, check_flux
-from hitjoints.hit_setting import HitSetting, RobotChoice
+from hitjoints.hit import Hit
+from hitjoints.hit_checks import check_flux
+from hitjoints.hit_setting import HitSetting, setting_of
 from hitjoints.hitting.drive_limits import drive_limits
 from hitjoints.impact.collision import required_speed
 from hitjoints.impact.drives import RIGID, Drives
-from hitjoints.loading.catalogue import robot_names
 from hitjoints.model.robot import Contact
 from hitjoints.planning.candidates import Candidate, Verdict
+from hitjoints.planning.earlier_plan import planned_at
 from hitjoints.planning.joint_plan import plan_joint
 from hitjoints.planning.objectives.registry import objective_named
 from hitjoints.planning.plan_record import Plan
@@ -58,6 +59,7 @@ def plan(  # noqa: PLR0913
     torque_limits: bool = False,
     deliverable: bool = False,
     drives: Drives = RIGID,
+    near: Plan | None = None,
     arrives: Callable[[Candidate], float] | None = None,
 ) -> Plan:
     """Choose the joint and the configuration for a hit.
@@ -92,6 +94,9 @@ def plan(  # noqa: PLR0913
         arrives: returns the share of objects that arrive, for "landing".
         torque_limits: the start is one from rest, with the way that the motors need; and for every
             joint find what torque limits cost.
+        near: a plan of the same arm for a hit that was little different: in milliseconds each of
+            its candidates is led to the nearest optimum. Others may be better by now, so that
+            `evidence["local"]` is true; a joint with nothing there is planned anew.
 
     Returns:
         A candidate per joint, feasible or with the reason why not, and the best.
@@ -124,10 +129,11 @@ def plan(  # noqa: PLR0913
         drive_limits(robot)  # are they known?
     found = []
     for task in tasks:
-        near = None if hints is None else hints.get(task.contact.joint)
-        near = None if near is None else np.atleast_2d(robot.configuration(near, "hints"))
+        hinted = None if hints is None else hints.get(task.contact.joint)
+        hinted = None if hinted is None else np.atleast_2d(robot.configuration(hinted, "hints"))
         demands = _demands(task, accept, surroundings)
-        one = plan_joint(task, replace(request, accept=demands, hints=near))
+        known = None if near is None else planned_at(near, task, digest)
+        one = plan_joint(task, replace(request, accept=demands, hints=hinted, near=known))
         if one.q is not None and surroundings is not None:
             one = replace(one, clearance=surroundings.report(robot, one.q, task.contact, h))
         if one.feasible and drives.model == "elastic":
@@ -147,9 +153,12 @@ def plan(  # noqa: PLR0913
     )
     alone = contacts[0] if len(contacts) == 1 else None
     named = None if joints is None or alone is not None else contacts
-    setting = _setting(robot, named, surroundings or Surroundings())
+    around = surroundings or Surroundings()
     setting = replace(
-        setting,
+        setting_of(robot, named),
+        object_size=around.object_size,
+        table_height=around.table_height,
+        margin=around.margin,
         objective=objective,
         deliverable=request.deliverable if flux is not None else None,
         away=away,
@@ -170,33 +179,20 @@ def plan(  # noqa: PLR0913
     )
 
 
-def _setting(robot: Robot, contacts: Sequence[Contact] | None, around: Surroundings) -> HitSetting:
-    """Return what a hit keeps of the arm, of several contacts, and of the surroundings."""
-    offsets = {contact.offset for contact in contacts or ()}
-    return HitSetting(
-        RobotChoice(robot.name) if robot.name in robot_names() else None,
-        None if contacts is None else tuple(contact.joint for contact in contacts),
-        next(iter(offsets)) if len(offsets) == 1 else None,
-        around.object_size,
-        around.table_height,
-        around.margin,
-    )
-
-
 @plan.register(Hit)
-def plan_hit(hit: Hit, robot: Robot | None = None, certificate: bool = True) -> Plan:
+def plan_hit(
+    hit: Hit, robot: Robot | None = None, certificate: bool = True, near: Plan | None = None
+) -> Plan:
     """Choose the joint and the configuration for a hit that says all the rest itself.
 
     Args:
         hit: what is asked, with the arm and how to plan in its setting.
         robot: the arm, if it is loaded already.
         certificate: as `plan`.
+        near: as `plan`.
     """
     setting = hit.setting
-    if robot is None:
-        if setting.robot is None:
-            raise InputError("robot", None, "the hit does not say with which arm")
-        robot = setting.robot.load()
+    robot = setting.arm(robot)
     asked, drives = setting.deliverable, setting.drives
     if hit.restitution is not None:
         drives = replace(drives, restitution=hit.restitution)
@@ -214,6 +210,7 @@ def plan_hit(hit: Hit, robot: Robot | None = None, certificate: bool = True) -> 
         away=setting.away,
         seed=setting.seed,
         certificate=certificate,
+        near=near,
         surroundings=Surroundings.of(hit),
         start=True,
         torque_limits=setting.torque_limits,
@@ -221,7 +218,7 @@ def plan_hit(hit: Hit, robot: Robot | None = None, certificate: bool = True) -> 
         drives=drives,
         arrives=partial(_arriving, robot, hit) if needs_goal else None,
     )
-    return replace(planned, hit=hit)
+    return replace(planned, hit=hit.made_by(robot))
 
 
 def _arriving(robot: Robot, hit: Hit, one: Candidate) -> float:

@@ -27,9 +27,11 @@ BEFORE = 0.06
 SLOW = 1e-3
 """m/s, least speed that such a way is told of."""
 NOT_CLEAR, NOT_BEFORE = "not clear at the impact", "not clear before the impact"
-GRAVITY = "gravity"
-BEST, AROUND = 6, 60
-"""Of the best configurations, so many each are looked at around them,"""
+GRAVITY, STANDS = "gravity", "the object is where the arm stands"
+BEST, AROUND, APART = 8, 48, 0.5
+"""Of the best configurations, these rad from each other, so many each are looked at around them,"""
+WORTH = 0.85
+"""provided that they deliver this share of the greatest flux;"""
 NEARBY = (0.3, 0.1)
 """rad, within so much of them: once for each."""
 GAIN = 1e-3
@@ -79,10 +81,10 @@ class HitCandidates:
         """The greatest flux (m/s) of all, clear or not."""
         return float(self.samples.flux.max(initial=0.0))
 
-    def rows(self, flux: float) -> Iterator[int]:
-        """Yield those that deliver a flux (m/s), as different from each other as can be."""
+    def rows(self, flux: float, near: int = 1) -> Iterator[int]:
+        """Yield those that deliver a flux (m/s): some near the start, then different ones."""
         chosen = np.flatnonzero(self.samples.flux >= flux)
-        return spread_out(self._robot, self._hit, self.samples, chosen, self._start)
+        return spread_out(self._robot, self._hit, self.samples, chosen, self._start, near)
 
     def clear(self, row: int) -> tuple[Obstacle | None, str]:
         """Return the object as a configuration hits it, and what is in the way there."""
@@ -92,12 +94,12 @@ class HitCandidates:
 
     def improve(self) -> float:
         """Look around the best that are clear, and return the greatest flux (m/s) of such."""
-        best = self._best_clear()
+        best = self._best(clear=True)
         for near in NEARBY:
             if not best.size:
                 return 0.0
             self._look_around(best, near)
-            best = self._best_clear()
+            best = self._best(clear=True)
         return float(self.samples.flux[best].max(initial=0.0))
 
     def find_greatest(self) -> float:
@@ -108,16 +110,19 @@ class HitCandidates:
                 break
             before = self.greatest
             for near in NEARBY:
-                self._look_around(np.argsort(-self.samples.flux)[:BEST], near)
+                self._look_around(self._best(clear=False), near)
         return self.greatest
 
-    def _best_clear(self) -> NDArray[np.intp]:
+    def _best(self, *, clear: bool) -> NDArray[np.intp]:
+        """Return the best configurations that are not nearly the same."""
         found: list[int] = []
-        flux = self.samples.flux
+        q, flux = self.samples.q, self.samples.flux
         for row in np.argsort(-flux, kind="stable"):
-            if len(found) == BEST or flux[row] <= 0:
+            least = WORTH * flux[found[0]] if found else 0.0
+            if len(found) == BEST or flux[row] <= least:
                 break
-            if not self.clear(int(row))[1]:
+            apart = (np.abs(q[found] - q[row]).max(axis=1, initial=0.0) >= APART).all()
+            if apart and not (clear and self.clear(int(row))[1]):
                 found.append(int(row))
         return np.array(found, dtype=np.intp)
 
@@ -141,6 +146,9 @@ class HitCandidates:
         box = room.box(q, self._contact, h, self._axes)
         if room.touches(q, box):
             return box, NOT_CLEAR
+        whole = room.whole(box)
+        if room.touches(self._start, whole):
+            return box, STANDS
         speed = max(float(h @ self.samples.J[row] @ qd), SLOW)
         before = np.clip(q - qd * (BEFORE / speed), robot.lower, robot.upper)
-        return box, NOT_BEFORE if room.touches(before, room.whole(box)) else ""
+        return box, NOT_BEFORE if room.touches(before, whole) else ""

@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from hitjoints.datasets.describe import versions
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.export.trajectory import Trajectory, write_trajectory
 from hitjoints.impact.shown_inertia import shown_inertia
 from hitjoints.plotted import Plotted
 from hitjoints.swings.motion_limits import greatest_ratios, torques
+from hitjoints.told import Told
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from hitjoints.hit import Hit
     from hitjoints.hitting.drive_limits import DriveLimits
     from hitjoints.model.robot import Robot
@@ -27,12 +28,18 @@ if TYPE_CHECKING:
 
 NOTED = ("hit", "impact_time", "flux", "unknown")
 """What of `as_dict` goes into a trajectory's file."""
+TOLD = (
+    *("sendable", "duration", "impact_time", "joint", "flux", "maximum_flux", "speed", "inertia"),
+    *("velocity_ratio_max", "acceleration_ratio_max", "jerk_ratio_max", "torque_ratio_max"),
+    *("clearance", "closest", "unknown"),
+)
+"""And into a table of it."""
 RESTING = 1e-12
 """rad/s, a velocity that is none."""
 
 
-@dataclass(frozen=True, eq=False)
-class Swing(Plotted):
+@dataclass(frozen=True, eq=False, repr=False)
+class Swing(Told, Plotted):
     """A motion from rest to rest that strikes on the way.
 
     Attributes:
@@ -214,19 +221,26 @@ class Swing(Plotted):
             "notes": list(self.notes),
         }
 
-    def __repr__(self) -> str:
-        """Say in a line what it does."""
+    @property
+    def words(self) -> str:
+        """What it does, in a line."""
         state = "sendable" if self.sendable else f"not sendable: {self.why}"
         return (
-            f"Swing({self.robot.name}, joint {self.hit.chosen_contact.joint}: flux "
-            f"{self.flux:.4g} m/s after {self.impact_time:.3f} s of {self.duration:.3f} s; {state})"
+            f"{self.robot.name}, joint {self.hit.chosen_contact.joint}: flux "
+            f"{self.flux:.4g} m/s after {self.impact_time:.3f} s of {self.duration:.3f} s; {state}"
         )
+
+    def lines(self) -> list[tuple[str, object]]:
+        """Return what of it counts."""
+        said = self.as_dict()
+        return [(name, said[name]) for name in TOLD]
 
     @property
     def trajectory(self) -> Trajectory:
         """The samples, as files hold them."""
         joints, said = self.joints, self.as_dict()
         notes = {name: said[name] for name in NOTED} | {"robot": self.robot.name}
+        notes["made_with"] = versions()
         names = tuple(self.robot.joint_names)
         rows = joints.q, joints.qd, joints.qdd, self.torque
         return Trajectory(names, self.times, *rows, self.why, notes)
@@ -237,4 +251,6 @@ class Swing(Plotted):
         Raises:
             InputError: an unknown ending, or a path that cannot be written.
         """
-        write_trajectory(self.trajectory, path, "path")
+        seen = self.hit.seen_from(Path(path).parent).as_dict()
+        told = self.trajectory
+        write_trajectory(replace(told, notes=told.notes | {"hit": seen}), path, "path")

@@ -9,6 +9,7 @@ import numpy as np
 
 from hitjoints.constants import GRAVITY
 from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.evidence.physics.engine_drives import engine_drives, with_rotors_of
 from hitjoints.evidence.physics.first_touch import ImpactState, is_level
 from hitjoints.evidence.physics.setting import EngineSetting, Mode, setting
 from hitjoints.evidence.physics.simulated_hit import Cause, Prediction, Simulation
@@ -19,7 +20,6 @@ from hitjoints.goals.box_rest import BoxRest, predict_rest
 from hitjoints.hit import Hit
 from hitjoints.impact.collision import object_speed, rebound
 from hitjoints.impact.elastic import ElasticImpact, elastic_impact
-from hitjoints.impact.rotor import known_rotors, known_stiffness
 from hitjoints.model.engine import engine
 from hitjoints.planning.plan_record import Plan
 from hitjoints.planning.planner import plan_hit
@@ -34,9 +34,6 @@ if TYPE_CHECKING:
     from hitjoints.model.robot import Robot
     from hitjoints.rollouts.record import Rollout
     from hitjoints.types import Array
-
-ELASTIC_CONTACT = 0.01
-"""s, of a hit on elastic joints: in a shorter one they take no part."""
 
 
 @by_first_argument
@@ -55,7 +52,7 @@ def simulate(  # noqa: PLR0913
     contact_friction: float | None = None,
     off_centre: float | None = None,
     height: float | None = None,
-    elastic: bool = False,
+    elastic: bool | None = None,
     stiffness: ArrayLike | None = None,
     rotor_inertia: ArrayLike | None = None,
     q0: ArrayLike | None = None,
@@ -88,7 +85,9 @@ def simulate(  # noqa: PLR0913
             realistic.
         height: m, of the contact above the box's centre; 0.
         elastic: put every joint's motor behind a spring, and predict that in closed form as well;
-            a contact then lasts 0.01 s when nothing else is asked for.
+            a contact then lasts 0.01 s when nothing else is asked for. None: if that is the model
+            of the drives that the hit reckons with. By "rotor" the links carry the rotors; the
+            engine has nothing for "composite", and takes the links alone.
         stiffness: of elastic joints; see `elastic_impact`.
         rotor_inertia: of elastic joints; see `elastic_impact`.
         q0: see `rollout`.
@@ -109,22 +108,14 @@ def simulate(  # noqa: PLR0913
     engine()
     starts: dict[str, Any] = {"q0": q0, "start": start, "q_hit": q_hit}
     arm, hit = _asked(robot, hit, starts)
-    if elastic:
-        rotors = tuple(known_rotors(arm, rotor_inertia).tolist())
-        springs = tuple(known_stiffness(arm, stiffness).tolist())
-        contact_time = ELASTIC_CONTACT if contact_time is None else contact_time
-    elif stiffness is not None or rotor_inertia is not None:
-        name = "rotor_inertia" if stiffness is None else "stiffness"
-        raise InputError(name, "given", "it belongs to elastic joints: ask for them too")
-    else:
-        rotors = springs = ()
+    motors = engine_drives(arm, hit, elastic, stiffness, rotor_inertia, contact_time)
     how = setting(
         mode,
-        stiffness=springs,
-        rotors=rotors,
+        stiffness=motors.stiffness,
+        rotors=motors.rotors,
+        contact_time=motors.contact_time,
         **_box_of(hit, restitution=restitution, size=size, yaw=yaw, friction=friction),
         support=support,
-        contact_time=contact_time,
         servo_gain=servo_gain,
         contact_friction=contact_friction,
         off_centre=off_centre,
@@ -140,6 +131,9 @@ def simulate(  # noqa: PLR0913
         motion = rollout(arm, hit, **starts, torque_limits=torque_limits, seed=seed)
     if motion.reason or motion.impact is None:
         raise InfeasibleError(f"the rollout is no hit: {motion.reason}", {"hit": False})
+    if not motors.rotors:
+        motion = with_rotors_of(hit, motion)
+        arm = motion.robot
     impact = impact_of(motion)
     predicted = predict(motion, how)
     if predicted.travel is not None and 2 * predicted.travel > LONGEST * predicted.object_speed:
@@ -160,7 +154,7 @@ def simulate(  # noqa: PLR0913
         )
         for name, value, alone, without in how.causes()
     )
-    told = predict_elastic(motion, impact, how) if elastic else None
+    told = predict_elastic(motion, impact, how) if motors.rotors else None
     return Simulation(
         motion, mode, how, impact, predicted, result, slid, causes, told, told_rest, why
     )
@@ -219,14 +213,18 @@ def _simulate_plan(plan: Plan, robot: Robot | None = None, **options: Any) -> Si
 
 @simulate.register(Hit)
 def _simulate_hit(hit: Hit, robot: Robot | None = None, **options: Any) -> Simulation:
-    """Plan a hit and carry out the plan.
+    """Make a hit as it says itself; one that does not say where the arm strikes is planned first.
 
     Args:
         hit: what is asked, with the arm and how to plan in its setting.
         robot: the arm, if it is loaded already.
         options: as `simulate`; they go before what the hit says.
     """
-    return _simulate_plan(plan_hit(hit, robot), robot, **options)
+    how = hit.setting
+    if how.q_hit is None:
+        return _simulate_plan(plan_hit(hit, robot), robot, **options)
+    told: dict[str, Any] = {"q0": how.q0, "q_hit": how.q_hit, "torque_limits": how.torque_limits}
+    return simulate(how.arm(robot), hit, **(told | options))
 
 
 def impact_of(motion: Rollout) -> ImpactState:
