@@ -22,7 +22,7 @@ CAUSES = ("servo", "contact", "touching again", "sliding")
 
 
 @dataclass(frozen=True, eq=False)
-class Touch:
+class FirstTouch:
     """The first touch.
 
     Attributes:
@@ -61,7 +61,7 @@ class WholeHit:
 
     swing: Swing
     setting: EngineSetting
-    touch: Touch
+    touch: FirstTouch
     meant: BoxRest
     touched: BoxRest
     left: BoxRest

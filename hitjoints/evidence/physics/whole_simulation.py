@@ -20,7 +20,7 @@ from hitjoints.evidence.physics.setting import EngineSetting
 from hitjoints.evidence.physics.simulation import impact_of
 from hitjoints.evidence.physics.slide import AT_REST, LONGEST, SETTLING, STEP, is_tipped
 from hitjoints.evidence.physics.strike import TOGETHER
-from hitjoints.evidence.physics.whole_hit import Touch, WholeHit
+from hitjoints.evidence.physics.whole_hit import FirstTouch, WholeHit
 from hitjoints.goals.box_rest import BoxRest, level_axes, predict_rest, rest_at
 from hitjoints.goals.sliding import Support, slide_to_rest
 from hitjoints.model.engine import engine
@@ -224,7 +224,7 @@ class _Run:
                 return np.array(data.contact.pos[one])
         return None
 
-    def _touch(self, place: Array) -> Touch:
+    def _touch(self, place: Array) -> FirstTouch:
         data, robot, how = self.data, self.swing.robot, self.setting
         q, qd = data.qpos[: self.n].copy(), data.qvel[: self.n].copy()
         box = data.body("box")
@@ -232,7 +232,7 @@ class _Run:
         offset = aside * math.cos(how.yaw) - how.size[0] / 2 * math.sin(how.yaw)
         velocity = jacobian(robot, q, self.impact.contact) @ qd
         speed = float(self.impact.direction @ velocity)
-        return Touch(float(data.time), speed, q, qd, -float(offset), float(height))
+        return FirstTouch(float(data.time), speed, q, qd, -float(offset), float(height))
 
     def _box_speed(self) -> Array:
         return np.asarray(self.data.qvel[self.n : self.n + 6])
