@@ -1,4 +1,4 @@
-"""A swing by servos, its impact and its box's way in one simulation, and what the miss is made of."""
+"""A swing by servos, its impact and its box's way in one simulation; what the miss is made of."""
 
 import math
 
@@ -69,7 +69,7 @@ def test_what_it_does_not_know(arm, swung):
     robot = arm("iiwa14")
     with pytest.raises(hj.InputError, match="friction = None"):
         simulate_whole(hj.swing(robot, wanted(friction=None)))
-    with pytest.raises(hj.InputError, match="direction = .*horizontally"):
+    with pytest.raises(hj.InputError, match=r"direction = .*horizontally"):
         simulate_whole(hj.swing(robot, wanted(direction=np.array([0, 1, -0.2]))))
     with pytest.raises(hj.InputError, match="bandwidth = 0"):
         simulate_whole(swung, bandwidth=0)
