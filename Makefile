@@ -16,9 +16,9 @@ demo: $(VENV)/demo-ready
 	$(BIN)/hitjoints plan --object 0.5,0.3,0.5 --direction 0,1,0 --mass 2 --out out/plan.json --plot out/plan.png
 	$(BIN)/hitjoints swing --plan out/plan.json --out out/trajectory.csv --plot out/swing.png
 	@echo "Planned, and made a motion that a controller can be sent. Pictures: out/plan.png, out/swing.png. Next:"
-	@echo "  $(BIN)/hitjoints sweep joint --plot out/fig2.png         inertia, speed and flux of each joint (the paper's Fig. 2)"
-	@echo "  $(BIN)/hitjoints inspect --impact all --contact-time 0.01  the mass that a real arm shows"
-	@echo "  $(BIN)/hitjoints plan --robot path/to/your_arm.urdf        the same for your arm"
+	@echo "  $(BIN)/hitjoints hit --goal 0.5,0.4,0.5 --restitution 0.5 --friction 0.3 --out out/hit    a box, from A to B"
+	@echo "  $(BIN)/hitjoints sweep joint --plot out/fig2.png    inertia, speed and flux of each joint (the paper's Fig. 2)"
+	@echo "  $(BIN)/hitjoints plan --robot path/to/your_arm.urdf    the same for your arm"
 
 test: $(VENV)/ready
 	$(BIN)/python -m pytest

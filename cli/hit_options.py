@@ -180,6 +180,9 @@ class AskedHit:
         """
         if self.joints is None and self.offset is None:
             return robot.usual_contacts
+        if self._as_before:
+            assert self.base is not None
+            return self.base.contacts(robot)
         usual = (robot.n,) if self.offset == TIP else robot.hitting_joints
         return robot.contacts([self._placed(robot, k) for k in self.joints or usual])
 
@@ -191,6 +194,16 @@ class AskedHit:
         """
         usual = robot.n if self.offset == TIP else robot.usual_joint
         return self._placed(robot, usual if self.joints is None else _only("joint", self.joints))
+
+    @property
+    def _as_before(self) -> bool:
+        """The contacts are those of the base, each with an offset of its own."""
+        from hitjoints.hit_setting import for_each
+
+        if self.base is None or self.offset is not None:
+            return False
+        said = self.base.setting
+        return for_each(said.offset) and self.joints == said.joints
 
     def _placed(self, robot: Robot, joint: int) -> Contact:
         from hitjoints.errors import InputError
@@ -223,7 +236,9 @@ class AskedHit:
             # The tip of a tool is kept in numbers.
             at_tip = self.offset == TIP
             joints = (robot.n,) if at_tip else self.joints
-            offset = self.contact(robot).offset if at_tip else self.offset
+            offset: Any = self.contact(robot).offset if at_tip else self.offset
+            if self.base is not None and self._as_before:
+                offset = self.base.setting.offset
             setting |= {"joints": joints, "offset": offset}
         given: dict[str, Any] = {
             "contact": contact if robot is None else None,
@@ -237,7 +252,13 @@ class AskedHit:
             "friction": self.friction,
         }
         base = Hit(**given) if self.base is None else self.base.changed(**given)
-        return base.changed(setting=replace(base.setting, **setting))
+        wanted = base.changed(setting=replace(base.setting, **setting))
+        if self.base is None or wanted.setting.q_hit is None:
+            return wanted
+        moved = (wanted.position != self.base.position).any()
+        if moved or (wanted.contact or self.base.contact) != self.base.contact:
+            wanted = wanted.changed(setting=replace(wanted.setting, q_hit=None))
+        return wanted
 
     def flux_hit(self, robot: Robot, **setting: Any) -> Hit:
         """Return the one hit with a flux, the usual one if none is asked for.

@@ -51,8 +51,10 @@ def options_of(hit: Hit) -> dict[str, Any]:
     said: dict[str, Any] = {}
     for name in ("position", "size", "object_size", "q0", "goal", "direction", "offset"):
         for table in given.values():
-            if isinstance(table, dict) and name in table:
+            if isinstance(table, dict) and name in table and not isinstance(table[name][0], list):
                 said[name] = _typed(table[name])
+    for name, value in given.get("limits", {}).items():
+        said[name] = _typed(value if isinstance(value, list) else [value])
     if "direction" in said:
         said["direction"] = [said["direction"]]
     wish, thing = given["wish"], given["object"]

@@ -77,7 +77,7 @@ class StartOptions(OptionGroup):
         return {
             "q0": None if self.q0 is None else numbers(self.q0),
             "start": None if self.start is None else triple(self.start, "start"),
-            "q_hit": None if plan is None or plan.best is None else plan.best.q,
+            "q_hit": hit.setting.q_hit if plan is None or plan.best is None else plan.best.q,
             "torque_limits": self.torque_limits,
             "seed": self.seed,
         }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
@@ -12,16 +13,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.constants import GRAVITY
-from hitjoints.errors import InputError, UnknownNameError
-from hitjoints.hit_setting import USUAL, HitSetting
+from hitjoints.errors import InputError
+from hitjoints.hit_checks import LEAST_FLUX, frozen, spread_of, vector_of
+from hitjoints.hit_setting import USUAL, HitSetting, RobotChoice, offsets_of
 from hitjoints.impact.flux import flux as flux_at
 from hitjoints.impact.flux import speed_for
 from hitjoints.model.robot import Contact
-from hitjoints.vectors import points, positive_mass, unit
+from hitjoints.vectors import positive_mass, unit
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
     from hitjoints.model.robot import Robot
     from hitjoints.types import Array
 
@@ -29,18 +29,23 @@ HOW_HARD = ("goal", "flux", "object_speed")
 """Ways to say how hard the hit is to be; at most one of them."""
 
 
-LEAST_FLUX = 1e-6
-"""m/s, the least flux that is a hit: an object so hit moves its own length in a day."""
-
 OBJECT = ("position", "mass", "size", "yaw", "restitution", "friction", "spread")
 SURROUNDINGS = ("object_size", "table_height", "margin")
-HOW = ("objective", "deliverable", "away", "torque_limits", "seed", "dt", "q0", "hits", "tolerance")
+HOW = (
+    "objective",
+    "deliverable",
+    "away",
+    "torque_limits",
+    "seed",
+    "dt",
+    "q0",
+    "q_hit",
+    "hits",
+    "tolerance",
+)
+LIMITS = ("acceleration", "jerk")
 LEVEL = 1e-6
 """m, and share of the way, up to which object and goal count as equally high."""
-
-UNCERTAIN = ("mass", "restitution", "friction", "yaw", "offset", "speed")
-"""What a standard deviation can be given for: the object's numbers, where it is touched (m, across
-the direction), and the arm's speed (as a share)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +66,7 @@ class Hit:
         friction: mu of the object on its table; a goal needs it.
         size: (3,) m, edges of the box along the direction, across it and upwards.
         yaw: rad, how far the box is turned about the vertical, against the direction.
-        spread: standard deviations by name, see `UNCERTAIN`.
+        spread: standard deviations by name, see `hit_checks.UNCERTAIN`.
         setting: the arm, the joints to try, the surroundings, and how, see `HitSetting`.
 
     Raises:
@@ -86,7 +91,7 @@ class Hit:
     def __post_init__(self) -> None:
         if self.contact is not None and not isinstance(self.contact, Contact):
             self._set("contact", Contact(self.contact))
-        self._set("position", _vector(self.position, "position"))
+        self._set("position", vector_of(self.position, "position"))
         self._set("mass", positive_mass(self.mass))
         if (self.goal is None) == (self.direction is None):
             given = "neither" if self.goal is None else "both"
@@ -103,29 +108,29 @@ class Hit:
         self._number("friction", "it is finite and above 0", lambda value: value > 0)
         self._number("yaw", "a finite angle in rad", lambda value: True)
         if self.size is not None:
-            size = _vector(self.size, "size")
+            size = vector_of(self.size, "size")
             if not (size > 0).all():
                 raise InputError("size", size.tolist(), "edges are above 0 m")
             self._set("size", size)
-        self._set("spread", _spread(self.spread or {}))
+        self._set("spread", spread_of(self.spread or {}))
         self._aim()
 
     def _aim(self) -> None:
         """Find direction and flux from what was given instead."""
         if self.goal is not None:
-            self._set("goal", _vector(self.goal, "goal"))
+            self._set("goal", vector_of(self.goal, "goal"))
             way = self.goal - self.position
             distance = float(np.hypot(way[0], way[1]))
             if abs(way[2]) > LEVEL * max(distance, LEVEL):
                 raise InputError("goal", self.goal.tolist(), "it lies as high as the object")
             if distance == 0:
                 raise InputError("goal", self.goal.tolist(), "the object is there already")
-            self._set("direction", _frozen(unit(np.array([way[0], way[1], 0.0]))))
+            self._set("direction", frozen(unit(np.array([way[0], way[1], 0.0]))))
             friction = self._needed("friction", "a goal")
             speed = math.sqrt(2 * friction * GRAVITY * distance)
             self._set("flux", speed / (1 + self._needed("restitution", "a goal")))
             return
-        self._set("direction", _frozen(unit(_vector(self.direction, "direction"))))
+        self._set("direction", frozen(unit(vector_of(self.direction, "direction"))))
         if self.object_speed is not None:
             restitution = self._needed("restitution", "an object speed")
             self._set("flux", self.object_speed / (1 + restitution))
@@ -220,8 +225,10 @@ class Hit:
         joints, offset = self.setting.joints, self.setting.offset
         if joints is None and offset is None:
             return robot.usual_contacts
-        at = offset or (0.0, 0.0, 0.0)
-        return robot.contacts([Contact(joint, at) for joint in joints or robot.hitting_joints])
+        tried = joints or robot.hitting_joints
+        return robot.contacts(
+            [Contact(*each) for each in zip(tried, offsets_of(offset, len(tried)), strict=True)]
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """Return what was given, table by table as in a file; what was left out is left out."""
@@ -240,9 +247,33 @@ class Hit:
             "wish": {name: given.get(name) for name in ("goal", "direction", *HOW_HARD[1:])},
             "surroundings": {name: getattr(setting, name) for name in SURROUNDINGS},
             "how": {name: getattr(setting, name) for name in HOW},
+            "limits": {name: getattr(setting, name) for name in LIMITS},
             "impact": setting.drives.as_dict(),
         }
         return told(tables)
+
+    def made_by(self, robot: Robot, **told: Any) -> Hit:
+        """Return the same hit, which says with which arm and how it is made.
+
+        Args:
+            robot: the arm, for a hit that does not say.
+            told: by the names of `HitSetting`; None tells nothing.
+        """
+        said: dict[str, Any] = {
+            name: tuple(np.ravel(value).tolist()) if np.ndim(value) else value
+            for name, value in told.items()
+            if value is not None
+        }
+        if self.setting.robot is None and robot.asked is not None:
+            said["robot"] = RobotChoice(**robot.asked)
+        return self.changed(setting=replace(self.setting, **said)) if said else self
+
+    @property
+    def text(self) -> str:
+        """What was given as one line of JSON, whatever folder it is read from."""
+        choice = self.setting.robot
+        here = None if choice is None else choice.found_from(Path.cwd())
+        return json.dumps(self.changed(setting=replace(self.setting, robot=here)).as_dict())
 
     def seen_from(self, folder: Path) -> Hit:
         """Return the same hit, its paths relative to a folder."""
@@ -272,43 +303,3 @@ class Hit:
     def __hash__(self) -> int:
         """Return a hash that equal hits share."""
         return hash((self.contact, self.position.tobytes(), self.mass, self.flux))
-
-
-def check_flux(flux: float) -> None:
-    """Refuse a flux (m/s) that no hit has.
-
-    Raises:
-        InputError: not finite, or less than `LEAST_FLUX`.
-    """
-    if not (math.isfinite(flux) and flux >= LEAST_FLUX):
-        raise InputError("flux", flux, f"a desired flux is finite and at least {LEAST_FLUX:g} m/s")
-
-
-def _vector(values: ArrayLike | None, name: str) -> Array:
-    if values is None:
-        raise InputError(name, None, "three numbers x,y,z are needed")
-    vector = points(values, name)
-    if vector.shape != (3,):
-        raise InputError(name, f"shape {vector.shape}", "three numbers x,y,z")
-    return _frozen(vector)
-
-
-def _frozen(vector: Array) -> Array:
-    fixed = np.array(vector)
-    fixed.setflags(write=False)
-    return fixed
-
-
-def _spread(spread: Mapping[str, float]) -> dict[str, float]:
-    checked = {}
-    for name, value in spread.items():
-        if name not in UNCERTAIN:
-            raise UnknownNameError("spread", name, UNCERTAIN)
-        try:
-            number = float(value)
-        except (TypeError, ValueError):
-            number = math.nan
-        if not (math.isfinite(number) and number >= 0):
-            raise InputError(f"spread {name}", value, "a standard deviation is finite and >= 0")
-        checked[name] = number
-    return checked

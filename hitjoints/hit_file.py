@@ -46,7 +46,7 @@ class ContactTable(Table):
     """What hits."""
 
     joints: Annotated[list[Annotated[int, Field(ge=1, le=1000)]], Field(min_length=1)] | None = None
-    offset: Vector | None = None
+    offset: Vector | list[Vector] | None = None
 
 
 class ObjectTable(Table):
@@ -88,8 +88,16 @@ class HowTable(Table):
     seed: Seed = 0
     dt: float | None = None
     q0: list[float] | None = None
+    q_hit: list[float] | None = None
     hits: Annotated[int, Field(ge=1, le=MOST_HITS)] = 1
     tolerance: float = TOLERANCE
+
+
+class LimitsTable(Table):
+    """Limits of the drives that the arm's own file does not tell, or tells otherwise."""
+
+    acceleration: float | list[float] | None = None
+    jerk: float | list[float] | None = None
 
 
 class ImpactTable(Table):
@@ -112,6 +120,7 @@ class HitTables(Table):
     wish: WishTable
     surroundings: SurroundingsTable = SurroundingsTable()
     how: HowTable = HowTable()
+    limits: LimitsTable = LimitsTable()
     impact: ImpactTable = ImpactTable()
 
 
@@ -175,19 +184,23 @@ def _said(table: Mapping[str, Any]) -> dict[str, Any]:
         name: value.tolist() if hasattr(value, "tolist") else value for name, value in table.items()
     }
     return {
-        name: list(value) if isinstance(value, tuple) else _entries(value)
+        name: _listed(value)
         for name, value in plain.items()
         if value is not None and value not in ({}, ())
     }
 
 
-def _entries(value: Any) -> Any:
-    return dict(value) if isinstance(value, Mapping) else value
+def _listed(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return dict(value)
+    return list(map(_listed, value)) if isinstance(value, (tuple, list)) else value
 
 
 def _refusal(found: Mapping[str, Any], source: str) -> InputError:
     """Return one line for what pydantic found."""
-    *tables, key = [str(part) for part in found["loc"]] or ["the whole"]
+    # Where a value may be of several kinds, pydantic names the kind that it tried.
+    said = [str(part) for part in found["loc"] if not str(part).startswith(("list[", "float"))]
+    *tables, key = said or ["the whole"]
     name = f"{source}: {'.'.join((*tables, key))}"
     if found["type"] == "extra_forbidden":
         known = _keys(tables)

@@ -10,7 +10,8 @@ from typing import Any
 from hitjoints.errors import InputError
 from hitjoints.hit import HOW_HARD, OBJECT, Hit
 from hitjoints.hit_file import HitTables, check_tables, read_tables
-from hitjoints.hit_setting import HitSetting, RobotChoice
+from hitjoints.hit_in_result import ENDINGS, tables_in
+from hitjoints.hit_setting import HitSetting, RobotChoice, offsets_of
 from hitjoints.impact.drives import Drives
 from hitjoints.model.robot import Contact
 
@@ -18,22 +19,27 @@ KEYS = {
     "contact": ("joint", "offset"),
     "object": OBJECT,
     "wish": ("goal", "direction", *HOW_HARD),
+    "how": ("hits", "tolerance"),
     "impact": ("impact", "contact_time"),
 }
 """The tables of a file that hold a hit's arguments."""
 
 
 def load_hit(path: str | Path) -> Hit:
-    """Read a hit.toml.
+    """Read a hit.toml, or the hit that a result keeps.
 
     Args:
-        path: of the file; paths in it are relative to it.
+        path: of the file, or of a plan, an answer, a trajectory, a data set or a figure that
+            hitjoints wrote; paths in it are relative to it.
 
     Raises:
         InputError: it cannot be read, or a key is unknown, missing or wrong; the message names
             the file, the key, its value and what is allowed.
     """
-    return _found_from(_hit(read_tables(Path(path)), str(path)), Path(path).parent)
+    path = Path(path)
+    if path.suffix in ENDINGS:
+        return hit_of(tables_in(path), path)
+    return _found_from(_hit(read_tables(path), str(path)), path.parent)
 
 
 def hit_of(tables: Mapping[str, Any], path: Path) -> Hit:
@@ -56,22 +62,21 @@ def _found_from(hit: Hit, folder: Path) -> Hit:
 
 
 def _hit(tables: HitTables, source: str) -> Hit:
-    said = tables.model_dump()
-    robot, how, contact = said["robot"], said["how"], tables.contact
-    offset = None if contact.offset is None else _triple(contact.offset)
-    one = contact.joints[0] if contact.joints is not None and len(contact.joints) == 1 else None
-    joints = None if contact.joints is None or one is not None else tuple(contact.joints)
+    said: dict[str, Any] = _tuples(tables.model_dump())
+    offset, named = said["contact"]["offset"], said["contact"]["joints"]
+    one = named[0] if named is not None and len(named) == 1 else None
     try:
         return Hit(
-            None if one is None else Contact(one, offset or (0.0, 0.0, 0.0)),
+            None if one is None else Contact(one, offsets_of(offset, 1)[0]),
             **said["object"],
             **said["wish"],
             setting=HitSetting(
-                robot=RobotChoice(**robot | {"package_dirs": tuple(robot["package_dirs"])}),
-                joints=joints,
+                robot=RobotChoice(**said["robot"]),
+                joints=named if one is None else None,
                 offset=offset if one is None else None,
-                **said["surroundings"] | _tuple(said["surroundings"], "object_size"),
-                **how | _tuple(how, "q0"),
+                **said["surroundings"],
+                **said["how"],
+                **said["limits"],
                 drives=Drives(**said["impact"]),
             ),
         )
@@ -81,10 +86,8 @@ def _hit(tables: HitTables, source: str) -> Hit:
         raise InputError(f"{source}: {name}", error.value, error.expected) from None
 
 
-def _tuple(table: Mapping[str, Any], name: str) -> dict[str, Any]:
-    return {name: None if table[name] is None else tuple(table[name])}
-
-
-def _triple(values: list[float]) -> tuple[float, float, float]:
-    x, y, z = values
-    return x, y, z
+def _tuples(value: Any) -> Any:
+    """Return the same with tuples in the place of lists."""
+    if isinstance(value, Mapping):
+        return {name: _tuples(item) for name, item in value.items()}
+    return tuple(map(_tuples, value)) if isinstance(value, list) else value

@@ -14,7 +14,9 @@ from hitjoints.impact.drives import RIGID, Drives
 from hitjoints.loading.catalogue import robot_names
 from hitjoints.loading.load import load_robot
 from hitjoints.model.robot import Robot
+from hitjoints.vectors import positive_per_joint
 
+Offset = tuple[float, float, float]
 MOST_HITS = 6
 """Of a sequence."""
 TOLERANCE = 0.05
@@ -62,7 +64,7 @@ class RobotChoice:
 
     def found_from(self, folder: Path) -> RobotChoice:
         """Return the choice with its paths, relative to a folder, as they are seen from here."""
-        return self._with_paths(lambda path: os.path.join(folder, path), folder)
+        return self._with_paths(lambda path: os.path.normpath(os.path.join(folder, path)), folder)
 
     def _with_paths(self, move: Any, folder: Path = Path()) -> RobotChoice:
         is_name = self.source in robot_names() or not os.path.isfile(folder / self.source)
@@ -81,8 +83,8 @@ class HitSetting:
     Attributes:
         robot: the arm; None where a function is given it.
         joints: 1-based, to try; None for the robot's hitting joints.
-        offset: (3,) m, of the contact in each joint's frame; None for the joint's origin, and for
-            the tip of a tool when no joint is named either.
+        offset: (3,) m, of the contact in each joint's frame, or one for each joint; None for the
+            joint's origin, and for the tip of a tool when no joint is named either.
         object_size: (3,) m, edges of the object seen along the axes of the base frame; None for
             the box that the hit's size makes.
         table_height: m, z of the table's plane; None for no table.
@@ -95,6 +97,9 @@ class HitSetting:
         seed: of everything random.
         dt: s, of motions; None for their own.
         q0: (n,) rad, where motions start; None for what suits each.
+        q_hit: (n,) rad, where they strike; None for what suits.
+        acceleration: rad/s^2, limits of the drives, one or (n,); None for the robot's.
+        jerk: rad/s^3, likewise.
         drives: the model of the arm's drives that inertia and flux are reckoned with.
         hits: how many hits the object may take to its goal.
         tolerance: m, how far from the goal counts as there.
@@ -105,7 +110,7 @@ class HitSetting:
 
     robot: RobotChoice | None = None
     joints: tuple[int, ...] | None = None
-    offset: tuple[float, float, float] | None = None
+    offset: Offset | tuple[Offset, ...] | None = None
     object_size: tuple[float, float, float] | None = None
     table_height: float | None = None
     margin: float | None = None
@@ -116,6 +121,9 @@ class HitSetting:
     seed: int = 0
     dt: float | None = None
     q0: tuple[float, ...] | None = None
+    q_hit: tuple[float, ...] | None = None
+    acceleration: float | tuple[float, ...] | None = None
+    jerk: float | tuple[float, ...] | None = None
     drives: Drives = RIGID
     hits: int = 1
     tolerance: float = TOLERANCE
@@ -125,6 +133,44 @@ class HitSetting:
             raise InputError("hits", self.hits, f"a whole number from 1 to {MOST_HITS}")
         if not (math.isfinite(self.tolerance) and self.tolerance > 0):
             raise InputError("tolerance", self.tolerance, "it is above 0 m")
+        if for_each(self.offset):
+            count = len(self.joints or ())
+            if len(self.offset or ()) != count:
+                expected = f"one for all, or one for each of the {count} joints that are named"
+                raise InputError("offset", self.offset, expected)
+
+    def arm(self, robot: Robot | None = None) -> Robot:
+        """Return the arm, with the limits of its drives that are told.
+
+        Args:
+            robot: it, if it is loaded already.
+
+        Raises:
+            InputError: it is not told with which arm, or it cannot be loaded.
+        """
+        if robot is None:
+            if self.robot is None:
+                raise InputError("robot", None, "the hit does not say with which arm")
+            robot = self.robot.load()
+        told = {"acceleration": self.acceleration, "jerk": self.jerk}
+        limits: dict[str, Any] = {
+            name: positive_per_joint(value, robot.n, name)
+            for name, value in told.items()
+            if value is not None
+        }
+        return replace(robot, **limits) if limits else robot
+
+
+def offsets_of(offset: Offset | tuple[Offset, ...] | None, count: int) -> tuple[Offset, ...]:
+    """Return the offset of each of so many joints, from one for all or one for each."""
+    if offset is None:
+        return ((0.0, 0.0, 0.0),) * count
+    return offset if for_each(offset) else (offset,) * count  # type: ignore[return-value]
+
+
+def for_each(offset: Offset | tuple[Offset, ...] | None) -> bool:
+    """Tell whether there is an offset for each joint, not one for all."""
+    return any(isinstance(part, (tuple, list)) for part in offset or ())
 
 
 USUAL = HitSetting()

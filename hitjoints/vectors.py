@@ -129,3 +129,28 @@ def all_finite(array: NDArray[np.float64]) -> bool:
 
 def _brief(array: NDArray[np.float64]) -> str:
     return np.array2string(array, precision=4, threshold=6, separator=",").replace("\n", "")
+
+
+def positive_per_joint(values: ArrayLike | None, n: int, name: str) -> NDArray[np.float64] | None:
+    """Return a number above zero for each of n joints, from one for all or one for each.
+
+    Args:
+        values: one number, or n; None gives None.
+        n: how many joints.
+        name: of the argument.
+
+    Raises:
+        InputError: not finite, not above zero, or another count.
+    """
+    if values is None:
+        return None
+    expected = f"one number above zero, or {n} of them"
+    try:
+        array = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(name, values, expected) from None
+    if array.size == 1:
+        array = np.full(n, array.item())
+    if array.shape != (n,) or not (np.isfinite(array) & (array > 0)).all():
+        raise InputError(name, np.asarray(values).tolist(), expected)
+    return array

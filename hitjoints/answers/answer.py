@@ -44,9 +44,8 @@ def answer(
         InputError: an argument cannot be used, or the arm's acceleration limits are not known.
         MissingExtraError: the physics engine was asked for, and is not installed.
     """
-    if robot is None and hit.setting.robot is None:
-        raise InputError("robot", None, "the hit does not say with which arm")
-    arm = hit.setting.robot.load() if robot is None else robot  # type: ignore[union-attr]
+    arm = hit.setting.arm(robot)
+    hit = hit.made_by(arm)
     if tolerance is not None:
         hit = hit.changed(setting=replace(hit.setting, tolerance=tolerance))
     objective_named(hit.setting.objective)

@@ -142,7 +142,9 @@ class Answer(Plotted):
 
 def _told(simulated: Simulation) -> dict[str, Any]:
     """Return what the engine says, and what was predicted of the same hit."""
+    rest = simulated.rest
     return simulated.simulated | {
+        "rest": None if rest is None else rest.as_dict(),
         "predicted": asdict(simulated.predicted),
         "errors": simulated.errors,
     }

@@ -15,7 +15,7 @@ from hitjoints.evidence.physics.simulation import simulate
 from hitjoints.goals.landing import LEVEL, Landing, landing
 from hitjoints.model.robot import Contact
 from hitjoints.planning.planner import plan_hit
-from hitjoints.swings.make_swing import MARGIN, swing
+from hitjoints.swings.make_swing import swing
 
 if TYPE_CHECKING:
     from hitjoints.evidence.physics.simulated_hit import Simulation
@@ -88,17 +88,8 @@ class SingleHit:
 
     def swing(self, hit: Hit, one: Candidate) -> Swing:
         """Return a motion; errors as `swing`."""
-        setting = hit.setting
-        return swing(
-            self.robot,
-            hit,
-            q0=setting.q0,
-            q_hit=one.q,
-            table_height=setting.table_height,
-            margin=MARGIN if setting.margin is None else setting.margin,
-            seed=setting.seed,
-            **({} if setting.dt is None else {"dt": setting.dt}),
-        )
+        made: Swing = swing(self.robot, hit, q_hit=one.q)
+        return made
 
     def nearest(self, answer: Answer) -> Nearest | None:
         """Return the most that one hit can do where the answer is no; None if nothing."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.errors import InputError
+from hitjoints.vectors import positive_per_joint
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -78,7 +79,7 @@ def drive_limits(
         InputError: a limit is not above zero, or no acceleration limit is known.
     """
     n = robot.n
-    given = _limit(acceleration, n, "acceleration")
+    given = positive_per_joint(acceleration, n, "acceleration")
     most = robot.acceleration if given is None else given
     if most is None:
         expected = (
@@ -86,7 +87,7 @@ def drive_limits(
             "rad/s^2 (--acceleration), or add them to its TOML"
         )
         raise InputError("acceleration", None, expected)
-    given = _limit(jerk, n, "jerk")
+    given = positive_per_joint(jerk, n, "jerk")
     shape = robot.jerk if given is None else given
     if not ((robot.velocity_lower <= 0) & (robot.velocity_upper >= 0)).all():
         raise InputError("robot", robot.name, "its velocity limits must allow standing still")
@@ -102,20 +103,3 @@ def drive_limits(
         np.zeros(n) if rotors is None else rotors,
         rotors is not None,
     )
-
-
-def _limit(values: ArrayLike | None, n: int, name: str) -> Array | None:
-    if values is None:
-        return None
-    expected = f"one number above zero, or {n} of them"
-    try:
-        array = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(name, values, expected) from None
-    if array.size == 1:
-        array = (
-            np.full(n, float(array.reshape(()))) if array.ndim == 0 else np.full(n, array.item())
-        )
-    if array.shape != (n,) or not (np.isfinite(array) & (array > 0)).all():
-        raise InputError(name, np.asarray(values).tolist(), expected)
-    return array

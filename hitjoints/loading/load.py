@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,7 @@ from hitjoints.model.arm import Arm, choose_arm
 from hitjoints.model.compare import compare_model
 from hitjoints.model.robot import Contact, Robot
 from hitjoints.model.tips import end_rank
+from hitjoints.model.tool import Tool
 from hitjoints.model.turns import middle
 from hitjoints.model.urdf_text import urdf_text
 
@@ -74,6 +76,17 @@ def load_robot(
             that does to the directional inertia.
     """
     _, arm, robot = read_robot(source, tip, base, lock, tool, package_dirs, xacro_args)
+    if not (isinstance(tool, Tool) or "<" in str(source)):
+        asked = {
+            "source": str(source),
+            "tip": tip,
+            "base": base,
+            "lock": read_lock(lock),
+            "tool": None if tool is None else str(tool),
+            "package_dirs": tuple(map(str, package_dirs)),
+            "xacro_args": dict(xacro_args or {}),
+        }
+        robot = replace(robot, asked=asked)
     for issue in check_arm(arm, robot, doubts=False):
         if issue.at_load:
             warnings.warn(f"{robot.name}: {issue}", ModelWarning, stacklevel=2)

@@ -88,6 +88,7 @@ class Robot:
             matrix holds `model.armature` instead, which is zero unless the TOML says otherwise.
         joint_stiffness: (n,) N m/rad, of the gears and torque sensors; None when not known.
         provenance: where each of these four comes from, by name.
+        asked: the arguments of `load_robot` it was made with; None where no file can hold them.
         kept: what others have derived from it, such as compiled formulas; not copied along.
     """
 
@@ -108,6 +109,7 @@ class Robot:
     rotor_inertia: NDArray[np.float64] | None = field(default=None, repr=False)
     joint_stiffness: NDArray[np.float64] | None = field(default=None, repr=False)
     provenance: Mapping[str, str] = field(default_factory=dict, repr=False)
+    asked: Mapping[str, Any] | None = field(default=None, repr=False)
     kept: dict[Any, Any] = field(default_factory=dict, repr=False, init=False)
     _local: threading.local = field(default_factory=threading.local, repr=False, init=False)
 

@@ -133,10 +133,9 @@ class Plan(Plotted):
         Raises:
             InputError: the plan does not know where it is from, or it has changed since.
         """
-        choice = self.hit.setting.robot
-        if choice is None:
+        if self.hit.setting.robot is None:
             raise InputError("robot", self.robot, "the plan does not say how to load it")
-        return self.check_robot(choice.load())
+        return self.check_robot(self.hit.setting.arm())
 
     def check_robot(self, robot: Robot) -> Robot:
         """Return a robot that is the one the plan was made for.
@@ -174,9 +173,9 @@ class Plan(Plotted):
             InputError: it cannot be loaded, or is another than the plan was made for.
             InfeasibleError: no joint can do it.
         """
-        arm, hit = self.load_robot() if robot is None else self.check_robot(robot), self.chosen_hit
+        setting, hit = self.hit.setting, self.chosen_hit
+        arm = self.load_robot() if robot is None else setting.arm(self.check_robot(robot))
         assert self.best is not None
-        setting = self.hit.setting
         return arm, hit, {"q_hit": self.best.q, "q0": setting.q0, "seed": setting.seed}
 
     def __eq__(self, other: object) -> bool:

@@ -14,12 +14,12 @@ from hitjoints.datasets.describe import origin
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.first_argument import by_first_argument
 from hitjoints.goals.landing import landing
-from hitjoints.hit import Hit, check_flux
+from hitjoints.hit import Hit
+from hitjoints.hit_checks import check_flux
 from hitjoints.hit_setting import HitSetting, RobotChoice
 from hitjoints.hitting.drive_limits import drive_limits
 from hitjoints.impact.collision import required_speed
 from hitjoints.impact.drives import RIGID, Drives
-from hitjoints.loading.catalogue import robot_names
 from hitjoints.model.robot import Contact
 from hitjoints.planning.candidates import Candidate, Verdict
 from hitjoints.planning.joint_plan import plan_joint
@@ -173,11 +173,11 @@ def plan(  # noqa: PLR0913
 
 def _setting(robot: Robot, contacts: Sequence[Contact] | None, around: Surroundings) -> HitSetting:
     """Return what a hit keeps of the arm, of several contacts, and of the surroundings."""
-    offsets = {contact.offset for contact in contacts or ()}
+    offsets = tuple(contact.offset for contact in contacts or ())
     return HitSetting(
-        RobotChoice(robot.name) if robot.name in robot_names() else None,
+        None if robot.asked is None else RobotChoice(**robot.asked),
         None if contacts is None else tuple(contact.joint for contact in contacts),
-        next(iter(offsets)) if len(offsets) == 1 else None,
+        offsets[0] if len(set(offsets)) == 1 else offsets or None,
         around.object_size,
         around.table_height,
         around.margin,
@@ -194,10 +194,7 @@ def plan_hit(hit: Hit, robot: Robot | None = None, certificate: bool = True) -> 
         certificate: as `plan`.
     """
     setting = hit.setting
-    if robot is None:
-        if setting.robot is None:
-            raise InputError("robot", None, "the hit does not say with which arm")
-        robot = setting.robot.load()
+    robot = setting.arm(robot)
     asked, drives = setting.deliverable, setting.drives
     if hit.restitution is not None:
         drives = replace(drives, restitution=hit.restitution)
@@ -222,7 +219,7 @@ def plan_hit(hit: Hit, robot: Robot | None = None, certificate: bool = True) -> 
         drives=drives,
         arrives=partial(_arriving, robot, hit) if needs_goal else None,
     )
-    return replace(planned, hit=hit)
+    return replace(planned, hit=hit.made_by(robot))
 
 
 def _arriving(robot: Robot, hit: Hit, one: Candidate) -> float:

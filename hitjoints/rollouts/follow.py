@@ -18,6 +18,7 @@ from hitjoints.hitting.desired import Weighting
 from hitjoints.hitting.laws import LawName
 from hitjoints.hitting.step import Gains, Step
 from hitjoints.planning.plan_record import Plan
+from hitjoints.planning.planner import plan_hit
 from hitjoints.rollouts.prepare import by_links, prepare
 from hitjoints.rollouts.record import Rollout
 
@@ -89,6 +90,7 @@ def rollout(  # noqa: PLR0913
             object, or a dt too large for the speed.
         InfeasibleError: see `prepare`.
     """
+    asked = hit.made_by(robot, dt=dt, torque_limits=torque_limits, seed=seed)
     if q_hit is not None:
         hit = by_links(robot, hit, robot.within_limits(q_hit, "q_hit"))
     found = prepare(
@@ -142,8 +144,25 @@ def rollout(  # noqa: PLR0913
         sum(step.braked for step in steps),
         _columns(controller, rows, len(steps)),
         np.array(approach.times),
-        parameters,
+        parameters | {"hit": asked.made_by(robot, q0=found.q0, q_hit=found.q_hit).text},
     )
+
+
+@rollout.register(Hit)
+def _rollout_hit(hit: Hit, robot: Robot | None = None, **options: Any) -> Rollout:
+    """Make a hit as it says itself; one that does not say with which joint is planned first.
+
+    Args:
+        hit: what is asked, with the arm in its setting.
+        robot: the arm, if it is loaded already.
+        options: as `rollout`; they go before what the hit says.
+    """
+    if hit.contact is None:
+        return _rollout_plan(plan_hit(hit, robot), robot, **options)
+    names = ("q0", "q_hit", "dt", "torque_limits", "seed")
+    told = {name: getattr(hit.setting, name) for name in names}
+    told = {name: value for name, value in told.items() if value is not None}
+    return rollout(hit.setting.arm(robot), hit, **(told | options))
 
 
 @rollout.register(Plan)

@@ -63,7 +63,7 @@ def as_rollout(swing: Swing) -> Rollout:
         ),
     }
     kept = {"torque_limits": True, "acceleration_limits": swing.limits.acceleration.tolist()}
-    parameters = {"reference": "swing", "dt": swing.dt, **kept}
+    parameters = {"reference": "swing", "dt": swing.dt, **kept, "hit": swing.hit.text}
     return Rollout(
         robot, hit, impact, "", swing.q_hit, swing.dt, at + 1, 0, 0, rows, np.zeros(0), parameters
     )

@@ -9,20 +9,23 @@ import numpy as np
 
 from hitjoints.errors import InputError
 from hitjoints.first_argument import by_first_argument
+from hitjoints.hit import Hit
 from hitjoints.hitting.drive_limits import drive_limits
 from hitjoints.planning.plan_record import Plan
+from hitjoints.planning.planner import plan_hit
 from hitjoints.swings.clear_way import Room
 from hitjoints.swings.swing_search import SwingSearch
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from hitjoints.hit import Hit
     from hitjoints.model.robot import Robot
     from hitjoints.swings.swing_record import Swing
 
 MARGIN = 0.005
 """m, the default clearance."""
+DT = 0.001
+"""s, the default spacing of samples."""
 SIZE = (0.1, 0.1, 0.1)
 """m, edges of the object where none are given."""
 SHORTEST, LONGEST = 1e-4, 0.02
@@ -39,15 +42,16 @@ def swing(  # noqa: PLR0913
     acceleration: ArrayLike | None = None,
     jerk: ArrayLike | None = None,
     table_height: float | None = None,
-    margin: float = MARGIN,
-    dt: float = 0.001,
-    seed: int = 0,
+    margin: float | None = None,
+    dt: float | None = None,
+    seed: int | None = None,
 ) -> Swing:
     """Make a motion from rest to rest that strikes, keeps all known limits, and can be sent.
 
     Only the state at the impact is prescribed: the contact at the object, moving straight along
     the direction, with the flux asked for or as much as can be. The arm winds up for it in joint
-    space, keeps the velocity for 10 mm after the impact, and stops.
+    space, keeps the velocity for 10 mm after the impact, and stops. What is not given is as the
+    hit's setting says, or else as here.
 
     Args:
         robot: the arm.
@@ -60,8 +64,9 @@ def swing(  # noqa: PLR0913
         jerk: rad/s^2 and rad/s^3, one number or (n,); by default the robot's. An unknown jerk limit
             is not kept, and said to be unknown.
         table_height: m, of a table to stay above.
-        margin: m, clearance to the object until the impact, to the table, and of the arm to itself.
-        dt: s, spacing of the samples, 1e-4 to 0.02; the impact falls on one.
+        margin: m, clearance to the object until the impact, to the table, and of the arm to itself;
+            by default 5 mm.
+        dt: s, spacing of the samples, 1e-4 to 0.02, by default 1 ms; the impact falls on one.
         seed: of the samples.
 
     Raises:
@@ -69,14 +74,43 @@ def swing(  # noqa: PLR0913
         InfeasibleError: unreachable, no clear configuration, a flux beyond the maximum (which
             `data` holds as `maximum_flux`), or no stroke found, and why.
     """
+    hit = hit.made_by(
+        robot,
+        q0=q0,
+        q_hit=q_hit,
+        acceleration=acceleration,
+        jerk=jerk,
+        table_height=table_height,
+        margin=margin,
+        dt=dt,
+        seed=seed,
+    )
+    how = hit.setting
+    dt = DT if how.dt is None else how.dt
+    margin = MARGIN if how.margin is None else how.margin
     if not (math.isfinite(dt) and SHORTEST <= dt <= LONGEST):
         raise InputError("dt", dt, f"a spacing of {SHORTEST:g} s to {LONGEST:g} s")
     if not math.isfinite(margin):
         raise InputError("margin", margin, "a finite distance in metres")
-    limits = drive_limits(robot, acceleration, jerk)
-    start = robot.within_limits(robot.home if q0 is None else q0, "q0")
-    room = Room(robot, margin, table_height, np.array(SIZE) if hit.size is None else hit.size)
-    return SwingSearch(robot, hit, limits, room, start, dt, seed).swing(q_hit)
+    limits = drive_limits(robot, how.acceleration, how.jerk)
+    start = robot.within_limits(robot.home if how.q0 is None else how.q0, "q0")
+    size = np.array(SIZE) if hit.size is None else hit.size
+    room = Room(robot, margin, how.table_height, size)
+    return SwingSearch(robot, hit, limits, room, start, dt, how.seed).swing(how.q_hit)
+
+
+@swing.register(Hit)
+def _swing_hit(hit: Hit, robot: Robot | None = None, **options: Any) -> Swing:
+    """Make a hit as it says itself; one that does not say with which joint is planned first.
+
+    Args:
+        hit: what is asked, with the arm in its setting.
+        robot: the arm, if it is loaded already.
+        options: as `swing`; they go before what the hit says.
+    """
+    if hit.contact is None:
+        return _swing_plan(plan_hit(hit, robot), robot, **options)
+    return swing(hit.setting.arm(robot), hit, **options)
 
 
 @swing.register(Plan)
@@ -89,6 +123,4 @@ def _swing_plan(plan: Plan, robot: Robot | None = None, **options: Any) -> Swing
         options: as `swing`; they go before what the plan says.
     """
     arm, hit, told = plan.carried_out(robot)
-    room = {"table_height": plan.hit.setting.table_height, "margin": plan.hit.setting.margin}
-    told |= {name: value for name, value in room.items() if value is not None}
     return swing(arm, hit, **(told | options))

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from hitjoints.datasets.describe import versions
 from hitjoints.dynamics.inertia import inertia_along
 from hitjoints.dynamics.kinematics import jacobian, position
 from hitjoints.export.trajectory import Trajectory, write_trajectory
@@ -17,8 +19,6 @@ from hitjoints.plotted import Plotted
 from hitjoints.swings.motion_limits import greatest_ratios, torques
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from hitjoints.hit import Hit
     from hitjoints.hitting.drive_limits import DriveLimits
     from hitjoints.model.robot import Robot
@@ -227,6 +227,7 @@ class Swing(Plotted):
         """The samples, as files hold them."""
         joints, said = self.joints, self.as_dict()
         notes = {name: said[name] for name in NOTED} | {"robot": self.robot.name}
+        notes["made_with"] = versions()
         names = tuple(self.robot.joint_names)
         rows = joints.q, joints.qd, joints.qdd, self.torque
         return Trajectory(names, self.times, *rows, self.why, notes)
@@ -237,4 +238,6 @@ class Swing(Plotted):
         Raises:
             InputError: an unknown ending, or a path that cannot be written.
         """
-        write_trajectory(self.trajectory, path, "path")
+        seen = self.hit.seen_from(Path(path).parent).as_dict()
+        told = self.trajectory
+        write_trajectory(replace(told, notes=told.notes | {"hit": seen}), path, "path")

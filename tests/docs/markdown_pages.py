@@ -73,7 +73,7 @@ def command_lines(text: str) -> list[Line]:
         if line.startswith("$ "):
             found.append(Line(shlex.split(line[2:], comments=True), []))
         elif found and line.strip() not in ("", "..."):
-            found[-1].said.append(line)
+            found[-1].said.append(line.removesuffix(" ..."))
     return found
 
 

@@ -5,6 +5,7 @@ import re
 import tomllib
 
 import pytest
+from command_reference import commands
 from markdown_pages import KINDS, ROOT, blocks, command_lines, pages, says, spans
 
 from hitjoints.cli.app import app
@@ -58,6 +59,11 @@ def try_line(line, code, run, where):
         assert all((ROOT / file).is_file() for file in files), where
 
 
+def options_of(command):
+    """Return the names of a command's options."""
+    return {name for p in command.params for name in (*p.opts, *p.secondary_opts)}
+
+
 @by_name
 def test_commands_within_sentences_have_the_options_they_are_given(page):
     import typer
@@ -66,17 +72,36 @@ def test_commands_within_sentences_have_the_options_they_are_given(page):
         command, rest = typer.main.get_command(app), words[1:]
         while rest and rest[0] in getattr(command, "commands", {}):
             command, rest = command.commands[rest[0]], rest[1:]
-        known = {name for p in command.params for name in (*p.opts, *p.secondary_opts)}
         asked = {word.split("=")[0] for word in rest if word.startswith("--")}
-        assert asked <= known | {"--help"}, words
+        assert asked <= options_of(command) | {"--help"}, words
         groups = getattr(command, "commands", {})
         assert not (groups and rest and rest[0].isalpha()), f"no such command: {words}"
+
+
+@by_name
+def test_options_that_a_page_speaks_of_exist(page):
+    spoken = set(re.findall(r"`(--[a-z][\w-]+)", page.read_text()))
+    known = {option for command in commands().values() for option in options_of(command)}
+    elsewhere = {"--version", "--help", "--count", "--seeds"}  # of the scripts in benchmarks/
+    assert spoken <= known | elsewhere
 
 
 @by_name
 def test_a_block_says_what_it_is(page):
     for block in blocks(page):
         assert block.directive or block.kind in KINDS, f"{page.name}:{block.line}: {block.kind!r}"
+
+
+def test_what_make_demo_types_and_tells_to_type_runs(tmp_path, monkeypatch, run):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "out").mkdir()
+    recipe = (ROOT / "Makefile").read_text().split("\ndemo:")[1].split("\n\n")[0]
+    typed = re.findall(r"\$\(BIN\)/hitjoints (.*?)(?: {2,}.*)?$", recipe, re.M)
+    assert len(typed) == 5
+    for words in typed:
+        if "path/to" not in words:
+            assert run(*words.split()).code == 0, words
+    assert len(list(tmp_path.glob("out/*.png"))) == 3
 
 
 def test_few_blocks_are_not_run():

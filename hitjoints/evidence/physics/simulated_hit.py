@@ -173,6 +173,7 @@ class Simulation(Plotted):
             unit, words, dimensions = VARIABLES[name]
             along[name] = (dimensions, values, {"units": unit, "long_name": words})
         attributes = origin(self.motion.robot) | {"mode": self.mode, "mass": self.impact.mass}
+        attributes["hit"] = self.motion.parameters["hit"]
         attributes |= {name: _plain(value) for name, value in asdict(self.setting).items()}
         for kind, said in (("predicted", asdict(self.predicted)), ("simulated", self.simulated)):
             attributes |= {f"{kind}_{k}": v for k, v in said.items() if v is not None}

@@ -213,14 +213,18 @@ def _simulate_plan(plan: Plan, robot: Robot | None = None, **options: Any) -> Si
 
 @simulate.register(Hit)
 def _simulate_hit(hit: Hit, robot: Robot | None = None, **options: Any) -> Simulation:
-    """Plan a hit and carry out the plan.
+    """Make a hit as it says itself; one that does not say where the arm strikes is planned first.
 
     Args:
         hit: what is asked, with the arm and how to plan in its setting.
         robot: the arm, if it is loaded already.
         options: as `simulate`; they go before what the hit says.
     """
-    return _simulate_plan(plan_hit(hit, robot), robot, **options)
+    how = hit.setting
+    if how.q_hit is None:
+        return _simulate_plan(plan_hit(hit, robot), robot, **options)
+    told: dict[str, Any] = {"q0": how.q0, "q_hit": how.q_hit, "torque_limits": how.torque_limits}
+    return simulate(how.arm(robot), hit, **(told | options))
 
 
 def impact_of(motion: Rollout) -> ImpactState:
