@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import time
 from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass, fields
@@ -12,7 +13,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple, get_args, get_origin, g
 import typer
 from typer.models import OptionInfo
 
-from .complaints import loudness
+from .complaints import complain, loudness
 from .progress import progress
 
 Fill = Callable[[Mapping[str, Any]], Mapping[str, Any]]
@@ -97,8 +98,11 @@ def grouped(command: Callable[..., Any], fill: Fill | None = None) -> Callable[.
         values |= {name: told[name] for name in told if name in values and name not in typed}
         for name, (kind, parts) in groups.items():
             values[name] = kind(**{part: values.pop(part) for part in parts})
+        begun = time.perf_counter()
         with progress():
-            return command(**values)
+            answer = command(**values)
+        complain("detail", f"done in {time.perf_counter() - begun:.2f} s")
+        return answer
 
     flat.append(inspect.Parameter(CONTEXT, KEYWORD, annotation=typer.Context))
     del call.__dict__["__wrapped__"]  # Typer would look through to the command

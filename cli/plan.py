@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import typer
 
 from .complaints import complain
+from .completion import objectives
 from .figure_options import FigureOptions
 from .hit_options import HitOptions
 from .impact_options import ImpactOptions
@@ -52,6 +53,7 @@ class AimOptions(OptionGroup):
         typer.Option(
             "--objective",
             help="inertia, flux, straight-flux, deliverable, or rebound with --flux.",
+            autocompletion=objectives,
         ),
     ] = "inertia"
     flux_by: Annotated[
