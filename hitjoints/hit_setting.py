@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ from hitjoints.errors import InputError
 from hitjoints.impact.drives import RIGID, Drives
 from hitjoints.loading.catalogue import robot_names
 from hitjoints.loading.load import load_robot
-from hitjoints.model.robot import Robot
+from hitjoints.model.robot import Contact, Robot
 from hitjoints.vectors import positive_per_joint
 
 Offset = tuple[float, float, float]
@@ -159,6 +159,16 @@ class HitSetting:
             if value is not None
         }
         return replace(robot, **limits) if limits else robot
+
+
+def setting_of(robot: Robot, contacts: Sequence[Contact] | None) -> HitSetting:
+    """Return what a hit keeps of an arm, and of the contacts to try; None for the arm's own."""
+    offsets = tuple(contact.offset for contact in contacts or ())
+    return HitSetting(
+        None if robot.asked is None else RobotChoice(**robot.asked),
+        None if contacts is None else tuple(contact.joint for contact in contacts),
+        offsets[0] if len(set(offsets)) == 1 else offsets or None,
+    )
 
 
 def offsets_of(offset: Offset | tuple[Offset, ...] | None, count: int) -> tuple[Offset, ...]:

@@ -130,3 +130,33 @@ def test_numbers_of_a_path_with_odd_letters_survive(tmp_path):
     hit = hj.Hit(7, np.array([0.1, 1 / 3, 2 / 3]), (0, 1, 0), 1.0, 0.2)
     hit.save(folder / "hit.toml")
     assert hj.load_hit(folder / "hit.toml").position.tolist() == hit.position.tolist()
+
+
+@pytest.mark.parametrize("ending", ["png", "pdf", "svg"])
+def test_a_figure_keeps_the_hit_that_it_shows(swung, tmp_path, ending):
+    (tmp_path / "odd (1)").mkdir()
+    path = tmp_path / "odd (1)" / f"swing.{ending}"
+    hj.figures.save(hj.figures.swing(swung), path)
+    assert hj.load_hit(path) == swung.hit
+    once = path.read_bytes()
+    assert b"hitjoints" in once
+    hj.figures.save(hj.figures.swing(swung), path)
+    assert path.read_bytes() == once
+
+
+def test_a_figure_without_a_hit_says_so(arm, tmp_path):
+    hj.figures.save(hj.figures.arm(arm("iiwa14"), np.zeros(7)), tmp_path / "arm.png")
+    with pytest.raises(InputError, match="this file keeps no hit"):
+        hj.load_hit(tmp_path / "arm.png")
+
+
+def test_a_sweep_keeps_its_hit(arm, tmp_path):
+    swept = hj.sweep_joint(arm("iiwa14"), (0.5, 0.3, 0.5), (0, 1, 0), 2.0, joints=[6, 7], count=3)
+    write_dataset(swept, tmp_path / "sweep.nc")
+    kept = hj.load_hit(tmp_path / "sweep.nc")
+    assert (kept.setting.joints, kept.mass) == ((6, 7), 2.0)
+    again = hj.sweep_joint(
+        kept.setting.arm(), kept.position, kept.direction, kept.mass,
+        joints=kept.setting.joints, count=3, start=kept.setting.q0, seed=kept.setting.seed,
+    )  # fmt: skip
+    assert again.identical(swept)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -10,6 +11,8 @@ import numpy as np
 
 from hitjoints.datasets.describe import described
 from hitjoints.errors import InfeasibleError, InputError
+from hitjoints.hit import Hit
+from hitjoints.hit_setting import setting_of
 from hitjoints.impact.elastic import elastic_impact
 from hitjoints.impact.inertia_models import INERTIA_MODELS, impact_inertia
 from hitjoints.quantities import hitting_speed, place_joint
@@ -99,7 +102,10 @@ def sweep_contact_time(  # noqa: PLR0913
         rows.append(row)
     if not rows:
         raise InfeasibleError("no joint reaches the position and moves along the direction")
-    return _assembled(robot, rows, spans, target, h, mass, restitution)
+    setting = setting_of(robot, robot.contacts(joints))
+    setting = replace(setting, q0=tuple(common.tolist()), seed=seed)
+    asked = Hit(None, target, h, mass, restitution=restitution, setting=setting)
+    return _assembled(robot, rows, spans, asked)
 
 
 def crossings(swept: Dataset, variable: str = "equivalent") -> list[Crossing]:
@@ -125,10 +131,7 @@ def _assembled(
     robot: Robot,
     rows: list[dict[str, Any]],
     spans: Any,
-    target: Any,
-    h: Any,
-    mass: float,
-    restitution: float,
+    asked: Hit,
 ) -> Dataset:
     import xarray as xr
 
@@ -143,6 +146,11 @@ def _assembled(
         "time": spans,
         "axis": np.arange(1, robot.n + 1),
     }
-    place = {"position": target.tolist(), "direction": h.tolist()}
-    made = xr.Dataset(columns, coords=coordinates)
-    return described(made, robot, **place, mass=mass, restitution=restitution)
+    told = {
+        "position": asked.position.tolist(),
+        "direction": asked.direction.tolist(),
+        "mass": asked.mass,
+        "restitution": asked.restitution,
+        "hit": asked.text,
+    }
+    return described(xr.Dataset(columns, coords=coordinates), robot, **told)

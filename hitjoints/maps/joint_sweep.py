@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +12,8 @@ from hitjoints.built import chain_of, kernel_for
 from hitjoints.datasets.describe import described
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InfeasibleError
+from hitjoints.hit import Hit
+from hitjoints.hit_setting import setting_of
 from hitjoints.impact.collision import hitting_flux
 from hitjoints.impact.inertia_models import InertiaModel, impact_inertia
 from hitjoints.model.robot import Contact
@@ -89,7 +92,12 @@ def sweep_joint(  # noqa: PLR0913
             {"position_error": {r["joint"]: r["position_error"] for r in rows}},
         )
     swept = _assemble(robot, rows, target, h, positive_mass(mass))
-    return swept.assign_attrs(impact=impact, offsets=[list(contact.offset) for contact in chosen])
+    setting = replace(setting_of(robot, chosen), q0=tuple(common.tolist()), seed=seed)
+    return swept.assign_attrs(
+        impact=impact,
+        offsets=[list(contact.offset) for contact in chosen],
+        hit=Hit(None, target, h, float(mass), setting=setting).text,
+    )
 
 
 def _turn(

@@ -16,7 +16,7 @@ from hitjoints.first_argument import by_first_argument
 from hitjoints.goals.landing import landing
 from hitjoints.hit import Hit
 from hitjoints.hit_checks import check_flux
-from hitjoints.hit_setting import HitSetting, RobotChoice
+from hitjoints.hit_setting import HitSetting, setting_of
 from hitjoints.hitting.drive_limits import drive_limits
 from hitjoints.impact.collision import required_speed
 from hitjoints.impact.drives import RIGID, Drives
@@ -148,9 +148,12 @@ def plan(  # noqa: PLR0913
     )
     alone = contacts[0] if len(contacts) == 1 else None
     named = None if joints is None or alone is not None else contacts
-    setting = _setting(robot, named, surroundings or Surroundings())
+    around = surroundings or Surroundings()
     setting = replace(
-        setting,
+        setting_of(robot, named),
+        object_size=around.object_size,
+        table_height=around.table_height,
+        margin=around.margin,
         objective=objective,
         deliverable=request.deliverable if flux is not None else None,
         away=away,
@@ -168,19 +171,6 @@ def plan(  # noqa: PLR0913
         begin,
         costs,
         request.deliverable,
-    )
-
-
-def _setting(robot: Robot, contacts: Sequence[Contact] | None, around: Surroundings) -> HitSetting:
-    """Return what a hit keeps of the arm, of several contacts, and of the surroundings."""
-    offsets = tuple(contact.offset for contact in contacts or ())
-    return HitSetting(
-        None if robot.asked is None else RobotChoice(**robot.asked),
-        None if contacts is None else tuple(contact.joint for contact in contacts),
-        offsets[0] if len(set(offsets)) == 1 else offsets or None,
-        around.object_size,
-        around.table_height,
-        around.margin,
     )
 
 

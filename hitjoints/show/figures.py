@@ -105,7 +105,7 @@ def plan(
         robot = result.load_robot()
     return _drawn(
         lambda how: draw_plan(result, robot, how), lambda axis: draw_objective(axis, result),
-        ax, look,
+        ax, look, result.hit.text,
     )  # fmt: skip
 
 
@@ -114,8 +114,9 @@ def swing(result: Swing, ax: Axes | None = None, **look: Unpack[LookOptions]) ->
     from hitjoints.show.swing_figure import draw_swing, draw_velocity
 
     return _drawn(
-        lambda how: draw_swing(result, how), lambda axis: draw_velocity(axis, result), ax, look
-    )
+        lambda how: draw_swing(result, how), lambda axis: draw_velocity(axis, result),
+        ax, look, result.hit.text,
+    )  # fmt: skip
 
 
 def rollout(result: Rollout, ax: Axes | None = None, **look: Unpack[LookOptions]) -> Figure:
@@ -123,8 +124,9 @@ def rollout(result: Rollout, ax: Axes | None = None, **look: Unpack[LookOptions]
     from hitjoints.show.rollout_figure import draw_inertia, draw_rollout
 
     return _drawn(
-        lambda how: draw_rollout(result, how), lambda axis: draw_inertia(axis, result), ax, look
-    )
+        lambda how: draw_rollout(result, how), lambda axis: draw_inertia(axis, result),
+        ax, look, result.parameters.get("hit", ""),
+    )  # fmt: skip
 
 
 def simulation(result: Simulation, ax: Axes | None = None, **look: Unpack[LookOptions]) -> Figure:
@@ -132,8 +134,9 @@ def simulation(result: Simulation, ax: Axes | None = None, **look: Unpack[LookOp
     from hitjoints.show.simulation_figure import draw_contact, draw_simulation
 
     return _drawn(
-        lambda how: draw_simulation(result, how), lambda axis: draw_contact(axis, result), ax, look
-    )
+        lambda how: draw_simulation(result, how), lambda axis: draw_contact(axis, result),
+        ax, look, result.motion.parameters.get("hit", ""),
+    )  # fmt: skip
 
 
 def replay(result: Replay, ax: Axes | None = None, **look: Unpack[LookOptions]) -> Figure:
@@ -169,7 +172,7 @@ def answer(result: Answer, ax: Axes | None = None, **look: Unpack[LookOptions]) 
         else:
             draw_way(axis, result.swing, result.landing)
 
-    return _drawn(lambda how: draw_answer(result, how), main, ax, look)
+    return _drawn(lambda how: draw_answer(result, how), main, ax, look, result.hit.text)
 
 
 def joint_sweep(swept: Dataset, ax: Axes | None = None, **look: Unpack[LookOptions]) -> Figure:
@@ -178,7 +181,7 @@ def joint_sweep(swept: Dataset, ax: Axes | None = None, **look: Unpack[LookOptio
 
     return _drawn(
         lambda how: draw_joint_sweep(swept, how),
-        lambda axis: draw_over_angle(axis, swept, "flux"), ax, look,
+        lambda axis: draw_over_angle(axis, swept, "flux"), ax, look, swept.attrs.get("hit", ""),
     )  # fmt: skip
 
 
@@ -202,7 +205,8 @@ def contact_time_sweep(
 
     return _drawn(
         lambda how: draw_contact_time_sweep(swept, how),
-        lambda axis: draw_over_contact_time(axis, swept, "equivalent"), ax, look,
+        lambda axis: draw_over_contact_time(axis, swept, "equivalent"),
+        ax, look, swept.attrs.get("hit", ""),
     )  # fmt: skip
 
 
@@ -260,8 +264,9 @@ def _drawn(
     main: Callable[[Axes], None],
     ax: Axes | None,
     options: LookOptions,
+    hit: str = "",
 ) -> Figure:
-    """Return the whole figure, or that of `ax` with the main panel on it.
+    """Return the whole figure, which keeps the hit, or that of `ax` with the main panel on it.
 
     Raises:
         InputError: a look for an axis that has one.
@@ -277,6 +282,7 @@ def _drawn(
     look = Look(**options)
     with look.applied():
         figure = whole(look)
+        figure.hit = hit
         figure.fit()
     return figure
 

@@ -12,6 +12,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from hitjoints.datasets.describe import versions
 from hitjoints.datasets.files import check_writable, write_whole
 from hitjoints.errors import InputError
 from hitjoints.show.style import FIGURE_ENDINGS, Look
@@ -33,15 +34,29 @@ STABLE: dict[str, dict[str, Any]] = {
 """The same figure is the same file: no time of day in it."""
 
 
+KEPT = {"png": ("Software", "Description"), "pdf": ("Creator", "Subject"),
+        "svg": ("Creator", "Description")}  # fmt: skip
+"""Where a file says what it was made with, and keeps the hit that it shows."""
+
+
 class Sheet(Figure):
-    """A figure that is saved, and shown in a notebook, in the look it was drawn in."""
+    """A figure that is saved, and shown in a notebook, in the look it was drawn in.
+
+    Attributes:
+        hit: that it shows, as text; empty for none.
+    """
 
     def __init__(self, look: Look, **options: Any) -> None:
-        self.look = look
+        self.look, self.hit = look, ""
         super().__init__(layout="constrained", **options)
 
     def savefig(self, fname: Any, **options: Any) -> None:
-        """Save as matplotlib does, in this look."""
+        """Save as matplotlib does, in this look; the file keeps the hit, for `load_hit`."""
+        kind = options.get("format") or Path(str(fname)).suffix.removeprefix(".")
+        if kind in KEPT:
+            made_with, shown = KEPT[kind]
+            told = {made_with: versions()} | ({shown: self.hit} if self.hit else {})
+            options["metadata"] = told | (options.get("metadata") or {})
         with self.look.applied():
             super().savefig(fname, **options)
 

@@ -66,7 +66,7 @@ class Room:
         self._shapes = pin.GeometryModel(scene.shapes)
         reach, own = _reaches(robot, scene), list(scene.shapes.collisionPairs)
         self._rates = [_between(scene, reach, pair.first, pair.second) for pair in own]
-        self._names = [f"{a} and {b}" for a, b in scene.pairs]
+        self._links, self._names = scene.names, [f"{a} and {b}" for a, b in scene.pairs]
         self._everything = frozenset(range(len(scene.links)))
         if table is not None:
             solid, _, movable = scene.place_table(table)
@@ -163,7 +163,7 @@ class Room:
         for shape in shapes:
             self._shapes.addCollisionPair(pin.CollisionPair(shape, number))
             self._rates.append(reach[shape])
-            self._names.append(f"{self._shapes.geometryObjects[shape].name} and the {name}")
+            self._names.append(f"{self._links[shape]} and the {name}")
         return number
 
 

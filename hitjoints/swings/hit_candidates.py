@@ -27,7 +27,7 @@ BEFORE = 0.06
 SLOW = 1e-3
 """m/s, least speed that such a way is told of."""
 NOT_CLEAR, NOT_BEFORE = "not clear at the impact", "not clear before the impact"
-GRAVITY = "gravity"
+GRAVITY, STANDS = "gravity", "the object is where the arm stands"
 BEST, AROUND = 6, 60
 """Of the best configurations, so many each are looked at around them,"""
 NEARBY = (0.3, 0.1)
@@ -79,10 +79,10 @@ class HitCandidates:
         """The greatest flux (m/s) of all, clear or not."""
         return float(self.samples.flux.max(initial=0.0))
 
-    def rows(self, flux: float) -> Iterator[int]:
-        """Yield those that deliver a flux (m/s), as different from each other as can be."""
+    def rows(self, flux: float, near: int = 1) -> Iterator[int]:
+        """Yield those that deliver a flux (m/s): some near the start, then different ones."""
         chosen = np.flatnonzero(self.samples.flux >= flux)
-        return spread_out(self._robot, self._hit, self.samples, chosen, self._start)
+        return spread_out(self._robot, self._hit, self.samples, chosen, self._start, near)
 
     def clear(self, row: int) -> tuple[Obstacle | None, str]:
         """Return the object as a configuration hits it, and what is in the way there."""
@@ -141,6 +141,9 @@ class HitCandidates:
         box = room.box(q, self._contact, h, self._axes)
         if room.touches(q, box):
             return box, NOT_CLEAR
+        whole = room.whole(box)
+        if room.touches(self._start, whole):
+            return box, STANDS
         speed = max(float(h @ self.samples.J[row] @ qd), SLOW)
         before = np.clip(q - qd * (BEFORE / speed), robot.lower, robot.upper)
-        return box, NOT_BEFORE if room.touches(before, room.whole(box)) else ""
+        return box, NOT_BEFORE if room.touches(before, whole) else ""

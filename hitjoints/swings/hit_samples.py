@@ -27,6 +27,8 @@ COAST = 0.01
 """m, the way with unchanged joint velocities after the impact."""
 IDLE = 0.25
 """Weight of joints that do not move the contact, in the distance of two configurations."""
+APART = 0.5
+"""rad, the distance of two configurations that are not nearly the same."""
 SIDEWAYS = 1e-6
 """Share of the speed that a sample's fastest motion may have sideways."""
 
@@ -122,9 +124,9 @@ def _fastest(J: Array, h: Array, lower: Array, upper: Array) -> tuple[Array, Arr
 
 
 def spread_out(
-    robot: Robot, hit: Hit, samples: Samples, chosen: NDArray[np.intp], start: Array
+    robot: Robot, hit: Hit, samples: Samples, chosen: NDArray[np.intp], start: Array, near: int
 ) -> Iterator[int]:
-    """Yield the chosen rows: the nearest to the start, then the farthest from all before.
+    """Yield the chosen rows: some near the start, then the farthest from all before.
 
     Diverse configurations matter: of near ones mostly all fail, or none.
 
@@ -134,17 +136,18 @@ def spread_out(
         samples: all.
         chosen: (M,) rows.
         start: (n,) rad.
+        near: so many of those nearest to the start come first, `APART` from each other.
     """
-    if not chosen.size:
-        return
     contact = robot.contact(hit.chosen_contact)
     moving = contact.joint if any(contact.offset) else contact.joint - 1
     weights = np.where(np.arange(robot.n) < moving, 1.0, IDLE)
     q = samples.q[chosen] * weights
-    now = int(np.argmin(np.abs(q - start * weights).max(axis=1)))
+    far = np.abs(q - start * weights).max(axis=1)
     distance = np.full(len(chosen), np.inf)
-    for _ in range(len(chosen)):
+    for i in range(len(chosen)):
+        apart = np.where(distance >= APART**2, far, np.inf)
+        close = i < near and bool(np.isfinite(apart).any())
+        now = int(np.argmin(apart)) if close else int(np.argmax(distance))
         yield int(chosen[now])
         distance = np.minimum(distance, ((q - q[now]) ** 2).sum(axis=1))
         distance[now] = -1.0
-        now = int(np.argmax(distance))

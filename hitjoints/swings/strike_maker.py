@@ -151,11 +151,15 @@ class StrikeMaker:
             return "torque, looked at densely", nowhere
         hit = round(struck.sample * self.dt / step)
         begun = hit - math.floor(struck.stroke.impact / step)
-        astray = self.search.astray(Joints(*(rows[begun : hit + 1] for rows in joints)))
+        close, astray = self.search.close(Joints(*(rows[begun : hit + 1] for rows in joints)))
         if astray:
             return f"{astray}, looked at densely", nowhere
-        before = self.room.check(joints.q[: hit + 1], struck.box, sharp=True)
-        after = self.room.check(joints.q[hit:], None, sharp=True)
-        clear = before.row is None and after.row is None
-        nearest = min(before, after, key=lambda seen: seen.least)
+        parts = (
+            (joints.q[: begun + close + 1], self.room.whole(struck.box)),
+            (joints.q[begun + close : hit + 1], struck.box),
+            (joints.q[hit:], None),
+        )
+        seen = [self.room.check(rows, box, sharp=True) for rows, box in parts if len(rows)]
+        clear = all(one.row is None for one in seen)
+        nearest = min(seen, key=lambda one: one.least)
         return "" if clear else "collision, looked at densely", nearest

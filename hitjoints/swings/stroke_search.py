@@ -115,10 +115,17 @@ class StrokeSearch:
         names, wrong = (*checks, ""), np.array([*checks.values(), np.ones(len(ahead), dtype=bool)])
         return joints, ahead, [names[int(i)] for i in np.argmax(wrong, axis=0)]
 
-    def astray(self, joints: Joints) -> str:
-        """Tell how a motion (M, n) up to the impact does not come straight at the object."""
-        one = Joints(*(values[None] for values in joints))
-        return next((name for name, wrong in self._astray(one)[1].items() if wrong[0]), "")
+    def close(self, joints: Joints) -> tuple[int, str]:
+        """Return the first moment of a motion (M, n) from where on what hits may touch the object.
+
+        Args:
+            joints: up to the impact.
+
+        Returns:
+            Its number, and how the motion does not come straight at the object, if so.
+        """
+        ahead, checks = self._astray(Joints(*(values[None] for values in joints)))
+        return _close(ahead[0]), next((name for name, wrong in checks.items() if wrong[0]), "")
 
     def _beyond(self, joints: Joints) -> dict[str, NDArray[np.bool_]]:
         """Return which motions (K, M, n) leave which limits."""
@@ -160,10 +167,7 @@ class StrokeSearch:
 
     def _unclear(self, rows: Array, ahead: Array, box: Obstacle | None) -> str:
         """Tell whether a wind-up touches anything; on its last part what hits may touch the box."""
-        first, room = 0, self._room
-        if box is not None:
-            near = ahead <= RUN_UP
-            first = int(np.argmax(near)) if near.any() else len(rows)
+        first, room = _close(ahead), self._room
         for part, what in ((rows[:first], room.whole(box)), (rows[first:], box)):
             # Most of what touches does so at its beginning.
             if len(part) and (
@@ -195,6 +199,11 @@ class StrokeSearch:
             if not reason:
                 return Ramp(ramps.time[k], ramps.build[k]), ""
         return None, f"stop: {reason}"
+
+
+def _close(ahead: Array) -> int:
+    near = ahead <= RUN_UP
+    return int(np.argmax(near)) if near.any() else len(ahead)
 
 
 def _from(ahead: Array, way: float) -> NDArray[np.bool_]:

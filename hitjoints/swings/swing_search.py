@@ -11,7 +11,7 @@ import numpy as np
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.quantities import place_joint
-from hitjoints.swings.hit_candidates import GRAVITY, NOT_BEFORE, NOT_CLEAR, HitCandidates
+from hitjoints.swings.hit_candidates import GRAVITY, NOT_BEFORE, NOT_CLEAR, STANDS, HitCandidates
 from hitjoints.swings.strike_maker import TOO_SLOW, StrikeMaker, Struck
 from hitjoints.swings.swing_record import Swing
 from hitjoints.swings.wind_ups import RUN_UP
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 CANDIDATES, ALL = 40, 120
 """Configurations whose strokes are looked at for one flux, and strikes all in all."""
+NEAREST = 30
+"""Configurations near the start that are looked at first for a flux that many can deliver."""
 LEVELS = (0.999, 0.97, 0.93, 0.88, 0.8, 0.7, 0.57, 0.45, 0.33)
 """Shares of the greatest flux that are tried where no flux is asked for,"""
 FEW = 4
@@ -76,6 +78,7 @@ class SwingSearch:
         self.maker = StrikeMaker(robot, hit, limits, room, start, dt, rng, self.reasons)
         self.notes: list[str] = []
         self.best, self.struck = 0.0, 0
+        self.told: set[int] = set()
 
     def swing(self, q_hit: ArrayLike | None) -> Swing:
         """Return the swing, from q_hit (n,) rad if it can be.
@@ -115,7 +118,7 @@ class SwingSearch:
 
     def _wanted(self, flux: float) -> Swing | None:
         for strict in (True, False):
-            rows = self.among.rows(SHORT * flux)
+            rows = self.among.rows(SHORT * flux, NEAREST)
             for struck in self._strikes(rows, flux, CANDIDATES, strict=strict):
                 found = self._checked(struck)
                 if found is not None:
@@ -206,7 +209,8 @@ class SwingSearch:
         for row in rows:
             box, reason = self.among.clear(row)
             if reason and (strict or reason != NOT_BEFORE):
-                self.reasons[reason] += 1
+                self.reasons[reason] += row not in self.told
+                self.told.add(row)
                 continue
             looked += 1
             if looked > most or self.struck >= ALL:
@@ -220,6 +224,12 @@ class SwingSearch:
         data = {"tried": dict(self.reasons), "maximum_flux": self.best}
         if TOO_SLOW in self.reasons and set(self.reasons) <= {TOO_SLOW, *ALWAYS}:
             return InfeasibleError(f"the contact would move {TOO_SLOW}: ask for more flux", data)
+        if STANDS in self.reasons and set(self.reasons) <= {STANDS, *ALWAYS}:
+            return InfeasibleError(
+                f"{STANDS}: at the start it touches the object, as it would be hit in the "
+                f"{self.reasons[STANDS]} configurations that are clear otherwise",
+                data,
+            )
         if set(self.reasons) <= ALWAYS:
             return InfeasibleError(
                 f"no clear configuration: the arm touches the object, the table or itself in all "

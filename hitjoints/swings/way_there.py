@@ -1,4 +1,4 @@
-"""From the start to the wind-up: from rest to rest, straight in joint space or by a few detours."""
+"""From the start to the wind-up: from rest to rest, straight in joint space or by detours."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from hitjoints.swings.clear_way import Obstacle, Room
 from hitjoints.swings.curves import Line, line_between
+from hitjoints.swings.detours import clear_between, detour
 from hitjoints.swings.motion_limits import torques
 
 if TYPE_CHECKING:
@@ -16,14 +17,13 @@ if TYPE_CHECKING:
     from hitjoints.model.robot import Robot
     from hitjoints.types import Array
 
-VIAS = 20
+VIAS = 6
 """Random configurations that a way may lead through, if it cannot be straight."""
 MOMENTS, USED = 40, 0.97
 """Of a line that its torques are looked at, and share of their limits that is used."""
 SLOWER, SLOWEST = 1.25, 12.0
 """Factor by which a line is slowed down whose torques do not fit, and the most of that."""
-FINE = 0.01
-"""rad, that a joint moves between rows whose clearance may be looked at."""
+COLLISION = "collision"
 THERE = 1e-12
 """rad, a way shorter than that is none."""
 
@@ -51,7 +51,7 @@ def way_there(
     if np.abs(end - start).max() <= THERE:
         return []
     low, high = robot.finite_limits
-    reason = ""
+    reason = COLLISION
     for i in range(VIAS + 1):
         corners = [start, end]
         if i:
@@ -59,21 +59,25 @@ def way_there(
             share = i / VIAS
             middle = 0.5 * (start + end)
             corners.insert(1, middle + share * (rng.uniform(low, high) - middle))
-        lines = [line_between(a, b, limits) for a, b in itertools.pairwise(corners)]
-        if not all(_clear(room, box, line) for line in lines):
-            reason = reason or "collision"
-            continue
-        slowed = [_slowed(robot, limits, line) for line in lines]
-        if all(line is not None for line in slowed):
-            return [line for line in slowed if line is not None]
-        reason = "torque"
-    return f"way there: {reason}"
+        if all(clear_between(room, box, a, b) for a, b in itertools.pairwise(corners)):
+            lines = _lines(robot, limits, corners)
+            if lines is not None:
+                return lines
+            reason = "torque"
+    found = detour(room, box, (start, end), (low, high), rng) if reason == COLLISION else None
+    lines = None if found is None else _lines(robot, limits, found)
+    return f"way there: {reason}" if lines is None else lines
 
 
-def _clear(room: Room, box: Obstacle | None, line: Line) -> bool:
-    steps = int(np.ceil(np.abs(line.end - line.start).max() / FINE)) + 1
-    rows = line.start + np.linspace(0.0, 1.0, steps + 1)[:, None] * (line.end - line.start)
-    return room.check(rows, box).row is None
+def _lines(robot: Robot, limits: DriveLimits, corners: list[Array]) -> list[Line] | None:
+    """Return the lines from corner to corner; None if torques never fit one."""
+    lines = []
+    for a, b in itertools.pairwise(corners):
+        line = _slowed(robot, limits, line_between(a, b, limits))
+        if line is None:
+            return None
+        lines.append(line)
+    return lines
 
 
 def _slowed(robot: Robot, limits: DriveLimits, line: Line) -> Line | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -174,3 +175,63 @@ def test_rollouts_tell_whether_they_can_be_sent(arm):
     assert np.isnan(
         hj.rollout(arm("xarm7"), Hit(6, OBJECT, ALONG, 2.0, 0.2)).acceleration_ratio_max
     )
+
+
+def branches(robot, q):
+    """Return the configurations (N, 7) of an iiwa with all links where they are at q (7,)."""
+    found = [q]
+    for a, b, c in ((0, 1, 2), (4, 5, 6)):  # shoulder and wrist turned over
+        for other in list(found):
+            flipped = np.array(other)
+            flipped[[a, c]] += np.pi
+            flipped[b] *= -1
+            found.append(flipped)
+    turned = [(each + np.pi) % (2 * np.pi) - np.pi for each in found]
+    return np.array([each for each in turned if (np.abs(each) <= robot.upper).all()])
+
+
+def test_the_branch_nearest_to_the_start_is_taken(arm):
+    """Of ways to hold all links in the same places, whatever the start."""
+    robot, hit = arm("iiwa14"), Hit(7, OBJECT, ALONG, 2.0, 0.1)
+    several = 0
+    for q0 in branches(robot, robot.home + np.array([0.4, 0.2, 0.3, -0.5, 0.4, 0.6, 0.2])):
+        made = hj.swing(robot, hit, q0=q0)
+        equal = branches(robot, made.q_hit)
+        for each in equal:
+            np.testing.assert_allclose(
+                hj.position(robot, each, 7), hj.position(robot, made.q_hit, 7), atol=1e-9
+            )
+        far = np.abs((equal - q0)[:, :6]).max(axis=1)
+        assert far[0] == far.min()
+        several += len(equal) > 1
+    assert several >= 2
+
+
+def test_an_object_where_the_arm_stands_is_refused_by_name(arm):
+    robot = arm("iiwa14")
+    begin = hj.place_joint(robot, 7, OBJECT + 0.25 * ALONG, start=robot.home).q[0]
+    hit = Hit(6, OBJECT, ALONG, 2.0, 0.2, size=np.array([0.3, 0.3, 0.3]))
+    with pytest.raises(InfeasibleError, match="the object is where the arm stands"):
+        hj.swing(robot, hit, q0=begin)
+
+
+def test_a_way_around_is_found_and_cut_short(arm):
+    """From one side of the object to the other, where the straight way leads through it."""
+    from hitjoints.swings.clear_way import Room, axes_along
+    from hitjoints.swings.detours import clear_between, detour
+
+    robot = arm("iiwa14")
+    room, h = Room(robot, MARGIN, None, np.array([0.1, 0.1, 0.4])), np.array([1.0, 0, 0])
+    aside = np.array([0.9, 0, 0, 0, 0, 0, 0])
+    start, end = robot.home + aside, robot.home - aside
+    box = room.whole(room.box(robot.home, robot.contact(7), h, axes_along(h, 0.0)))
+    assert not room.touches(start, box)
+    assert not room.touches(end, box)
+    assert not clear_between(room, box, start, end)
+    way = detour(room, box, (start, end), robot.finite_limits, np.random.default_rng(0))
+    assert (way[0] == start).all()
+    assert (way[-1] == end).all()
+    for a, b in itertools.pairwise(way):
+        for share in np.linspace(0, 1, 60):
+            assert room.check((a + share * (b - a))[None], box).least >= MARGIN - 1e-9
+    assert len(way) <= 6
