@@ -25,7 +25,7 @@ def told(typed: Mapping[str, Any]) -> dict[str, Any]:
     """
     from hitjoints.errors import InputError
 
-    file, plan = typed.get("file"), typed.get("plan")
+    file, plan, shown = typed.get("file"), typed.get("plan"), typed.get("shown")
     if file is not None and plan is not None:
         raise InputError("hit", file, f"the plan {plan} says which hit already")
     if file is not None:
@@ -36,6 +36,8 @@ def told(typed: Mapping[str, Any]) -> dict[str, Any]:
         from hitjoints.planning.plan_file import load_plan
 
         return options_of(load_plan(plan).chosen_hit)  # what is typed must agree with it
+    elif shown is not None:
+        return _shown(shown)
     else:
         return {}
     if any(way in typed for way in WAYS):
@@ -43,6 +45,17 @@ def told(typed: Mapping[str, Any]) -> dict[str, Any]:
     if "goal" in typed or ("direction" in typed and "goal" in values):
         values = {n: value for n, value in values.items() if n not in ("direction", "goal")}
     return values
+
+
+def _shown(path: Path) -> dict[str, Any]:
+    """Return what the file that `view` is given says."""
+    from hitjoints.show.viewer.shown_file import read_shown
+
+    held = read_shown(path)
+    if held.plan is not None:
+        return options_of(held.plan.chosen_hit)
+    values = {} if held.hit is None else options_of(held.hit)
+    return ({} if held.robot is None else {"robot": held.robot.source}) | values
 
 
 def options_of(hit: Hit) -> dict[str, Any]:

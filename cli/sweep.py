@@ -9,6 +9,7 @@ from .option_groups import grouped, show_help
 from .sweep_contact_time import sweep_contact_time
 from .sweep_joint import sweep_joint
 from .sweep_mass import sweep_mass
+from .sweep_motion import sweep_motion
 from .sweep_workspace import sweep_workspace
 
 app = typer.Typer(help="Map inertia, speed and flux.")
@@ -23,4 +24,5 @@ def root(context: typer.Context) -> None:
 app.command("joint")(grouped(sweep_joint, told))
 app.command("contact-time")(grouped(sweep_contact_time, told))
 app.command("mass")(grouped(sweep_mass, told))
+app.command("motion")(grouped(sweep_motion, told))
 app.command("workspace")(grouped(sweep_workspace, told))

@@ -126,7 +126,7 @@ def sweep_workspace(
         command=" ".join(["hitjoints", *sys.argv[1:]]),
     )
     rows = _summary(swept)
-    _write(arm, swept, output)
+    write_map(arm, swept, output)
     if output.as_json:
         out = None if output.out is None else str(output.out)
         print_json({**swept.attrs, "out": out, "summary": rows})
@@ -138,7 +138,8 @@ def sweep_workspace(
         raise typer.Exit(3)
 
 
-def _write(arm: Robot, swept: Dataset, output: MapOutputs) -> None:
+def write_map(arm: Robot, swept: Dataset, output: MapOutputs) -> None:
+    """Write the copies and the picture of a map that are asked for."""
     from hitjoints.datasets.files import write_dataset
     from hitjoints.show import figures
 

@@ -1,10 +1,10 @@
-"""`hitjoints view`: the arm in the browser."""
+"""`hitjoints view`: the arm, a hit and its motion in the browser."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
@@ -15,6 +15,11 @@ from .options import ConfigurationOption, JsonOption, check_outputs, numbers
 from .render import print_json
 from .robot_options import RobotOptions
 from .start_options import StartOptions
+
+if TYPE_CHECKING:
+    from hitjoints.model.robot import Robot
+    from hitjoints.show.viewer.clip import Clip
+    from hitjoints.show.viewer.live import Viewer
 
 
 @dataclass(frozen=True)
@@ -35,51 +40,134 @@ class ServeOptions(OptionGroup):
 
 
 def view(
+    shown: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[FILE]",
+            help="hit.toml, plan.json, trajectory, rollout or recorded hit to show.",
+        ),
+    ] = None,
+    *,
     robot: RobotOptions,
     hit: HitOptions,
     start: Annotated[StartOptions, without("q0", "start", "torque_limits", "seed")],
     output: ServeOptions,
     q: ConfigurationOption = None,
 ) -> None:
-    """Show the arm in the browser: sliders, inertia at the contact, plans and hits."""
-    from hitjoints.datasets.files import write_whole
-    from hitjoints.show.open_viewer import view as show
+    """Show an arm in the browser, or on a page: plan, play, and see where the box goes.
 
+    A hit.toml is planned first; what was planned or made before is shown as it is. --out writes a
+    page that plays the motion without a server.
+    """
+    from hitjoints.datasets.files import write_whole
+    from hitjoints.show.viewer.open_viewer import open_stage
+    from hitjoints.show.viewer.shown_file import read_shown
+    from hitjoints.show.viewer.solids import why_bars
+    from hitjoints.show.viewer.stage import planned as plan_for
+
+    held = None if shown is None else read_shown(shown)
+    if held is not None and held.clip is None:
+        if held.plan is None:
+            hit = replace(hit, file=shown)
+        else:
+            start = replace(start, plan=shown)
     planned, out = start.planned(), output.out
     asked = hit.read(planned)
-    check_outputs(None, (out, "out", (".html",)), inputs=[robot.robot, start.plan, hit.file])
+    check_outputs(None, (out, "out", (".html",)), inputs=[robot.robot, start.plan, hit.file, shown])
     arm = robot.load()
-    wanted = asked.flux_hit(arm)
-    contact, at_hit = wanted.chosen_contact, start.arguments(planned, wanted, arm)["q_hit"]
-    for link, reason in arm.shape_faults[:1]:
+    if (fault := why_bars(arm)) is not None:
+        link, reason = fault
         complain("warning", f"drawn with bars: a collision shape of {link}: {reason}")
-    viewer = show(
+    clip = None if held is None or held.clip is None else held.clip(arm)
+    if clip is not None:
+        _check_motion(arm, hit, clip)
+        wanted, contacts = clip.hit, None
+    else:
+        several = asked.joints is not None and len(asked.joints) > 1
+        contacts = asked.contacts(arm) if several else None
+        contact = contacts[0] if contacts else asked.contact(arm)
+        wanted = asked.flux_hit(arm) if asked.base is None else asked.hit(contact)
+    if planned is not None:
+        start.arguments(planned, wanted, arm)
+    elif asked.base is not None:
+        planned = plan_for(arm, wanted, contacts or arm.usual_contacts)
+    viewer = open_stage(
         arm,
-        at_hit if q is None else numbers(q),
-        contact,
-        position=wanted.position,
-        direction=wanted.direction,
-        mass=wanted.mass,
-        flux=wanted.desired_flux,
-        q_hit=at_hit,
+        wanted,
+        None if q is None else numbers(q),
+        contacts=contacts,
+        plan=planned,
+        clip=clip,
         host=output.host,
         port=output.port,
     )
-    shown = {"robot": robot.robot, "url": viewer.url, "joint": contact.joint, "q": viewer.q}
-
-    def say(url: str) -> None:
-        if output.as_json:
-            print_json(shown)
-        complain("serving", f"{url} until Ctrl-C")
-
     try:
         if out is None:
-            viewer.serve(say)
-        else:
-            page = viewer.as_html()
-            write_whole(out, "out", lambda path: path.write_text(page, encoding="utf-8"))
-            if output.as_json:
-                print_json(shown)
-            complain("written", str(out))
+            viewer.serve(lambda url: _say(viewer, robot.robot, url, output.as_json))
+            return
+        if clip is None and viewer.stage.candidate is not None and q is None:
+            _make(viewer)
+        page = viewer.as_html()
+        write_whole(out, "out", lambda path: path.write_text(page, encoding="utf-8"))
+        if output.as_json:
+            print_json(_told(viewer, robot.robot))
+        complain("written", str(out))
     finally:
         viewer.stop()
+
+
+def _check_motion(arm: Robot, hit: HitOptions, clip: Clip) -> None:
+    """Refuse to be asked for what the motion does not do.
+
+    Raises:
+        InputError: an option contradicts it.
+    """
+    import numpy as np
+
+    from hitjoints.errors import InputError
+
+    asked = hit.read()
+    for name, typed, value, made in (
+        ("object", hit.position, asked.position, clip.hit.position),
+        ("direction", hit.direction, asked.direction, clip.hit.direction),
+        ("mass", hit.mass, asked.mass, clip.hit.mass),
+        ("joint", hit.joint, asked.joints, clip.hit.chosen_contact.joint),
+    ):
+        if typed is not None and not np.allclose(np.asarray(value, float), made, rtol=0, atol=1e-9):
+            words = ",".join(f"{number:g}" for number in np.atleast_1d(made))
+            raise InputError(name, typed, f"the {clip.kind} is of {words}")
+
+
+def _make(viewer: Viewer) -> None:
+    """Make the motion that the page is to play; without one it shows the plan."""
+    from hitjoints.errors import HitjointsError
+
+    try:
+        viewer.make()
+    except HitjointsError as error:
+        complain("note", f"the page has no motion to play: {error}")
+
+
+def _told(viewer: Viewer, robot: str) -> dict[str, Any]:
+    """Return what JSON says of it."""
+    stage, clip = viewer.stage, viewer.stage.clip
+    motion = clip and {
+        "kind": clip.kind,
+        "duration": clip.duration,
+        "impact_time": clip.impact_time,
+        "speed": clip.speed,
+    }
+    return {
+        "robot": robot,
+        "url": viewer.url,
+        "joint": stage.contact.joint,
+        "q": stage.q if stage.candidate is None else stage.candidate.q,
+        "candidates": [one.as_dict() for one in stage.candidates],
+        "motion": motion,
+    }
+
+
+def _say(viewer: Viewer, robot: str, url: str, as_json: bool) -> None:
+    if as_json:
+        print_json(_told(viewer, robot))
+    complain("serving", f"{url} until Ctrl-C")

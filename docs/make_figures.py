@@ -15,24 +15,11 @@ from hitjoints.cli import main
 
 PICTURES = Path(__file__).parent / "figures"
 LANDINGS = Path(__file__).parent.parent / "tests" / "data" / "landing"
-GOAL = """\
-schema = 1
-[robot]
-source = "iiwa14"
-[object]
-position = [0.5, 0.2, 0.4]
-mass = 1.0
-size = [0.1, 0.1, 0.1]
-restitution = 0.5
-friction = 0.3
-spread = { mass = 0.05, friction = 0.03 }
-[wish]
-goal = [0.55, 0.5, 0.4]
-"""
+FIRST_HIT = Path(__file__).parent / "first_hit.md"
 COMMANDS = {
     "fig2": "sweep joint --plot {file}",
     "plan": "plan --plot {file}",
-    "hit": "hit {folder}/goal.toml --out {folder}",
+    "hit": "hit {folder}/wish.toml --out {folder}",
     "swing": "swing --fastest --robot panda --plot {file}",
     "rollout": "rollout --plot {file}",
     "torques": "rollout --robot panda --flux 0.5 --torque-limits --plot {file}",
@@ -54,7 +41,7 @@ LEFT = {
 def draw(name: str) -> None:
     """Draw one of `COMMANDS` into the documentation's folder."""
     with tempfile.TemporaryDirectory() as folder:
-        (Path(folder) / "goal.toml").write_text(GOAL, encoding="utf-8")
+        (Path(folder) / "wish.toml").write_text(first_hit(), encoding="utf-8")
         file = PICTURES / f"{name}.png"
         words = COMMANDS[name].format(file=file, folder=folder, landings=LANDINGS)
         try:
@@ -65,6 +52,11 @@ def draw(name: str) -> None:
         for one in LEFT.get(name, ()):
             target = one if name == "hit" else f"{name}_{one}"
             (PICTURES / f"{target}.png").write_bytes((Path(folder) / f"{one}.png").read_bytes())
+
+
+def first_hit() -> str:
+    """Return the hit.toml of the page on the first hit."""
+    return FIRST_HIT.read_text(encoding="utf-8").split("```toml\n")[1].split("```")[0]
 
 
 def draw_all(names: Sequence[str]) -> None:

@@ -72,7 +72,8 @@ from .loading.load import (
 from .maps.contact_time_sweep import sweep_contact_time as sweep_contact_time
 from .maps.joint_sweep import sweep_joint as sweep_joint
 from .maps.mass_sweep import sweep_mass as sweep_mass
-from .maps.workspace import open_map as open_map
+from .maps.motion_sweep import sweep_motion as sweep_motion
+from .maps.run_sweep import open_map as open_map
 from .maps.workspace import sweep_workspace as sweep_workspace
 from .model.robot import Contact as Contact
 from .model.robot import Robot as Robot
@@ -105,7 +106,7 @@ from .rollouts.follow import rollout as rollout
 from .rollouts.many_record import Rollouts as Rollouts
 from .rollouts.side_by_side import rollouts as rollouts
 from .show import figures as figures
-from .show.open_viewer import view as view
+from .show.viewer.open_viewer import view as view
 from .swings.make_swing import swing as swing
 from .swings.swing_record import Swing as Swing
 from .version import __version__ as __version__

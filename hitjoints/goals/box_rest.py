@@ -12,6 +12,7 @@ from hitjoints.goals.box_hit import Boxes, Departure, hit_boxes
 from hitjoints.goals.leaning import turned
 from hitjoints.goals.sliding import Rest, Support, slide_to_rest
 from hitjoints.impact.shown_inertia import shown_mobility
+from hitjoints.told import Told
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
     from hitjoints.types import Array
 
 
-@dataclass(frozen=True, eq=False)
-class BoxRest:
+@dataclass(frozen=True, eq=False, repr=False)
+class BoxRest(Told):
     """How a box left a hit, and where it came to rest.
 
     Attributes:
@@ -132,7 +133,41 @@ def send_boxes(
     speed: Array,
     restitution: Array,
 ) -> tuple[Departure, Rest]:
-    """Hit boxes with an arm, each as a hit has it but for what is given, and let them slide.
+    """Hit boxes with an arm, as `strike_boxes`, and let them slide.
+
+    Args:
+        robot: as `strike_boxes`.
+        q: as `strike_boxes`.
+        hit: as `strike_boxes`.
+        boxes: as `strike_boxes`.
+        speed: as `strike_boxes`.
+        restitution: as `strike_boxes`.
+
+    Returns:
+        How they leave and how they rest, along the hitting direction and to its left.
+
+    Raises:
+        InfeasibleError: as `strike_boxes`.
+    """
+    left = strike_boxes(robot, q, hit, boxes, speed, restitution)
+    down = left.down
+    slid = slide_to_rest(
+        turned(down.moved.velocity, boxes.yaw), down.moved.spin, boxes.size, boxes.friction,
+        yaw=boxes.yaw + down.yaw, support=boxes.support,
+    )  # fmt: skip
+    way = slid.displacement + turned(down.way, boxes.yaw)
+    return left, replace(slid, displacement=way, yaw=slid.yaw + down.yaw)
+
+
+def strike_boxes(
+    robot: Robot,
+    q: ArrayLike,
+    hit: Hit,
+    boxes: Boxes,
+    speed: Array,
+    restitution: Array,
+) -> Departure:
+    """Hit boxes with an arm, each as a hit has it but for what is given.
 
     Args:
         robot: the arm.
@@ -142,9 +177,6 @@ def send_boxes(
         speed: (N,) m/s, of the contact along the direction.
         restitution: (N,) eps.
 
-    Returns:
-        How they leave and how they rest, along the hitting direction and to its left.
-
     Raises:
         InfeasibleError: a box would be missed, tip, or slide on its edge.
     """
@@ -152,14 +184,7 @@ def send_boxes(
     mobility = shown_mobility(robot, robot.one_configuration(q), contact, hit, drives)[:2, :2]
     normal = np.column_stack((np.cos(boxes.yaw), np.sin(boxes.yaw))) @ level_axes(hit).T
     felt = 1 / np.einsum("na,ab,nb->n", normal, mobility, normal)
-    left = hit_boxes(boxes, felt, speed, restitution)
-    down = left.down
-    slid = slide_to_rest(
-        turned(down.moved.velocity, boxes.yaw), down.moved.spin, boxes.size, boxes.friction,
-        yaw=boxes.yaw + down.yaw, support=boxes.support,
-    )  # fmt: skip
-    way = slid.displacement + turned(down.way, boxes.yaw)
-    return left, replace(slid, displacement=way, yaw=slid.yaw + down.yaw)
+    return hit_boxes(boxes, felt, speed, restitution)
 
 
 def level_axes(hit: Hit) -> Array:

@@ -17,6 +17,8 @@ from hitjoints.errors import InputError, UnknownNameError
 from hitjoints.vectors import points
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import ArrayLike
 
     from hitjoints.types import Array
@@ -70,6 +72,24 @@ def slide_to_rest(
     Raises:
         InputError: a size or a friction is not above 0, or a box would tip over its edge.
     """
+    *_, (time, state) = slide_steps(velocity, spin, size, friction, yaw=yaw, support=support)
+    return Rest(state[:, 3:5], state[:, 5] - np.asarray(yaw, dtype=float), time)
+
+
+def slide_steps(
+    velocity: ArrayLike,
+    spin: ArrayLike,
+    size: ArrayLike,
+    friction: ArrayLike,
+    *,
+    yaw: ArrayLike = 0.0,
+    support: Support = "face",
+) -> Iterator[tuple[Array, Array]]:
+    """Yield the times (N,) s and the states (N, 6) on the way to rest, the first at time 0.
+
+    A state is vx, vy (m/s), spin (rad/s), x, y (m) and yaw (rad); arguments and errors are those of
+    `slide_to_rest`.
+    """
     check_support(support)
     v = np.atleast_2d(np.asarray(velocity, dtype=float))
     count = len(v)
@@ -85,14 +105,15 @@ def slide_to_rest(
     state = np.column_stack((v, w, np.zeros((count, 2)), turned))
     first = boxes.speed(state)
     time = np.zeros(count)
+    yield time.copy(), state.copy()
     moving = first > 0
     while moving.any():
         some = _Boxes(edges[moving], mu[moving], support)
         dt = STEP * some.speed(state[moving]) / (mu[moving] * GRAVITY)
         state[moving] = _runge_kutta(some, state[moving], dt)
         time[moving] += dt
+        yield time.copy(), state.copy()
         moving = boxes.speed(state) > REST * first
-    return Rest(state[:, 3:5], state[:, 5] - turned, time)
 
 
 def check_support(support: str) -> None:

@@ -10,7 +10,7 @@ import hashlib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 from xml.etree import ElementTree
 
 import numpy as np
@@ -58,12 +58,19 @@ class ShapeError(Exception):
     """A shape that is written cannot be read; the text says why."""
 
 
-def read_shapes(xml: str) -> tuple[list[Shape], list[tuple[str, str]]]:
-    """Return the collision shapes of a URDF, and what cannot be read: links and reasons."""
+def read_shapes(
+    xml: str, kind: Literal["collision", "visual"] = "collision"
+) -> tuple[list[Shape], list[tuple[str, str]]]:
+    """Return the shapes of a URDF, and what cannot be read: links and reasons.
+
+    Args:
+        xml: the URDF.
+        kind: those that are checked for clearance, or what the arm looks like.
+    """
     shapes, faults = [], []
     for link in ElementTree.fromstring(xml).findall("link"):
         name = link.get("name", "")
-        for number, element in enumerate(link.findall("collision")):
+        for number, element in enumerate(link.findall(kind)):
             try:
                 shapes.append(_read(element, name, f"{name}_{number}"))
             except ShapeError as error:
@@ -79,7 +86,7 @@ def _read(element: Element, link: str, name: str) -> Shape:
     )
     solids = [] if geometry is None else list(geometry)
     if len(solids) != 1:
-        raise ShapeError(f"a <collision> needs one solid in its <geometry>, not {len(solids)}")
+        raise ShapeError(f"a <{element.tag}> needs one solid in its <geometry>, not {len(solids)}")
     solid, kind = solids[0], solids[0].tag
     if kind == "mesh":
         scale = _numbers(solid, "scale", 3, "1 1 1")

@@ -15,17 +15,18 @@ from hitjoints.hitting.deliverable import deliverable_speed
 from hitjoints.impact.collision import hitting_flux
 from hitjoints.impact.composite import composite_inertia
 from hitjoints.quantities import hitting_speed
+from hitjoints.told import Told
 
 if TYPE_CHECKING:
-    from hitjoints.planning.search.groups import Found
+    from hitjoints.planning.search.found import Found
     from hitjoints.planning.task import Task
     from hitjoints.types import Array
 
 NEAREST_POSITION = 1e-6  # m, what a plan promises
 
 
-@dataclass(frozen=True, eq=False)
-class Candidate:
+@dataclass(frozen=True, eq=False, repr=False)
+class Candidate(Told):
     """A hitting joint that can do it, with everything about the hit.
 
     Attributes:
@@ -49,7 +50,8 @@ class Candidate:
             the best configuration of the links; else None.
         arrives: share of the objects that rest within the tolerance of the goal, where the plan
             was made by that.
-        evidence: samples, admissible, local_optima, restarts, spread, agreeing, certificate.
+        evidence: samples, admissible, local_optima, restarts, spread, agreeing, local,
+            certificate.
     """
 
     joint: int
@@ -72,13 +74,18 @@ class Candidate:
     arrives: float | None = None
     evidence: dict[str, Any] = field(default_factory=dict, repr=False)
 
+    @property
+    def words(self) -> str:
+        """What it can do, in a line."""
+        return f"joint {self.joint}: {self.inertia:.4g} kg, {self.speed:.4g} m/s; {self.reason}"
+
     def as_dict(self) -> dict[str, Any]:
         """Return the attributes by name, arrays as lists."""
         return {item.name: plain(getattr(self, item.name)) for item in fields(self)}
 
 
-@dataclass(frozen=True, eq=False)
-class Refusal:
+@dataclass(frozen=True, eq=False, repr=False)
+class Refusal(Told):
     """A hitting joint that cannot do it, with the reason. Quantities of a hit are None.
 
     Attributes:
@@ -110,6 +117,11 @@ class Refusal:
     position_error: float | None = None
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
     evidence: dict[str, Any] = field(default_factory=dict, repr=False)
+
+    @property
+    def words(self) -> str:
+        """Why it cannot, in a line."""
+        return f"joint {self.joint}: {self.reason}"
 
     def as_dict(self) -> dict[str, Any]:
         """Return the attributes by the names of a candidate's."""
@@ -188,5 +200,6 @@ def evidence_of(found: Found) -> dict[str, Any]:
         "restarts": best,
         "spread": found.spread if best.size else None,
         "agreeing": int((best >= most * (1 - 1e-4)).sum()),
+        "local": found.local,
         "certificate": None,
     }

@@ -19,7 +19,9 @@ from hitjoints.planning.objectives.most_inertia import MostInertia
 from hitjoints.planning.proof import infeasible
 from hitjoints.planning.proof.certificate import certify
 from hitjoints.planning.search.climb import ON_MANIFOLD
-from hitjoints.planning.search.groups import Found, dealt, search
+from hitjoints.planning.search.found import Found
+from hitjoints.planning.search.groups import dealt, search
+from hitjoints.planning.search.nearby import search_near
 from hitjoints.planning.search.sampler import Sampler
 from hitjoints.quantities import place_joint
 
@@ -45,6 +47,10 @@ def plan_joint(task: Task, request: Request) -> Verdict:
     assert task.target is not None
     if not infeasible.movers(task):
         return infeasible.fixed(task)
+    if request.near is not None:
+        close = _near(task, request)
+        if close is not None:
+            return close
     probe = place_joint(task.robot, task.contact, np.tile(task.target, (64, 1)), request.seed)
     placed = probe.q[probe.solved | (probe.error <= blind_slack(task.robot, task.contact))]
     if not len(placed):
@@ -70,12 +76,30 @@ def plan_joint(task: Task, request: Request) -> Verdict:
             f"configurations of joint {task.contact.joint} is accepted"
         )
         return Refusal(task.contact.joint, reason, evidence=evidence_of(found))
+    return _candidate(problem, found, q, request)
+
+
+def _candidate(problem: HitProblem, found: Found, q: Array, request: Request) -> Candidate:
+    """Return what a search found, measured and with its evidence."""
+    task = problem.task
     if problem.room is None:  # else the turn tells how much room there is to stop
         q = task.robot.nearest_turn(q)
     evidence = evidence_of(found)
     if request.certificate and request.accept is None and not problem.locked:
-        evidence["certificate"] = certify(near, q).as_dict()
+        evidence["certificate"] = certify(task, q).as_dict()
     return Candidate(task.contact.joint, "", **measure(task, q), evidence=evidence)
+
+
+def _near(task: Task, request: Request) -> Candidate | None:
+    """Return the best near known configurations; None if there is nothing near them."""
+    assert request.near is not None
+    problem = HitProblem(
+        task, request.objective, flux=request.flux, deliverable=request.deliverable
+    )
+    sampler = Sampler(task, task.robot.lower, task.robot.upper)
+    found = search_near(problem, sampler, request.seed, request.near)
+    q = _accepted(found, problem.n, request.accept) if found.value.size else None
+    return None if q is None else _candidate(problem, found, q, request)
 
 
 def _within_reach(task: Task, probe: Placement) -> Task:

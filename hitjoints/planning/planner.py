@@ -22,6 +22,7 @@ from hitjoints.impact.collision import required_speed
 from hitjoints.impact.drives import RIGID, Drives
 from hitjoints.model.robot import Contact
 from hitjoints.planning.candidates import Candidate, Verdict
+from hitjoints.planning.earlier_plan import planned_at
 from hitjoints.planning.joint_plan import plan_joint
 from hitjoints.planning.objectives.registry import objective_named
 from hitjoints.planning.plan_record import Plan
@@ -59,6 +60,7 @@ def plan(  # noqa: PLR0913
     torque_limits: bool = False,
     deliverable: bool = False,
     drives: Drives = RIGID,
+    near: Plan | None = None,
     arrives: Callable[[Candidate], float] | None = None,
 ) -> Plan:
     """Choose the joint and the configuration for a hit.
@@ -93,6 +95,9 @@ def plan(  # noqa: PLR0913
         arrives: returns the share of objects that arrive, for "landing".
         torque_limits: the start is one from rest, with the way that the motors need; and for every
             joint find what torque limits cost.
+        near: a plan of the same arm for a hit that was little different: in milliseconds each of
+            its candidates is led to the nearest optimum. Others may be better by now, so that
+            `evidence["local"]` is true; a joint with nothing there is planned anew.
 
     Returns:
         A candidate per joint, feasible or with the reason why not, and the best.
@@ -125,10 +130,11 @@ def plan(  # noqa: PLR0913
         drive_limits(robot)  # are they known?
     found = []
     for task in counted(tasks, "joints"):
-        near = None if hints is None else hints.get(task.contact.joint)
-        near = None if near is None else np.atleast_2d(robot.configuration(near, "hints"))
+        hinted = None if hints is None else hints.get(task.contact.joint)
+        hinted = None if hinted is None else np.atleast_2d(robot.configuration(hinted, "hints"))
         demands = _demands(task, accept, surroundings)
-        one = plan_joint(task, replace(request, accept=demands, hints=near))
+        known = None if near is None else planned_at(near, task, digest)
+        one = plan_joint(task, replace(request, accept=demands, hints=hinted, near=known))
         if one.q is not None and surroundings is not None:
             one = replace(one, clearance=surroundings.report(robot, one.q, task.contact, h))
         if one.feasible and drives.model == "elastic":
@@ -175,13 +181,16 @@ def plan(  # noqa: PLR0913
 
 
 @plan.register(Hit)
-def plan_hit(hit: Hit, robot: Robot | None = None, certificate: bool = True) -> Plan:
+def plan_hit(
+    hit: Hit, robot: Robot | None = None, certificate: bool = True, near: Plan | None = None
+) -> Plan:
     """Choose the joint and the configuration for a hit that says all the rest itself.
 
     Args:
         hit: what is asked, with the arm and how to plan in its setting.
         robot: the arm, if it is loaded already.
         certificate: as `plan`.
+        near: as `plan`.
     """
     setting = hit.setting
     robot = setting.arm(robot)
@@ -202,6 +211,7 @@ def plan_hit(hit: Hit, robot: Robot | None = None, certificate: bool = True) -> 
         away=setting.away,
         seed=setting.seed,
         certificate=certificate,
+        near=near,
         surroundings=Surroundings.of(hit),
         start=True,
         torque_limits=setting.torque_limits,

@@ -23,6 +23,7 @@ class Request:
         certificate: bound the inertia, and try to prove a no.
         accept: asked of configurations (n,), best first.
         hints: (M, n) rad, to search from as well.
+        near: (K, n) rad, to search near and hardly anywhere else.
     """
 
     objective: Objective
@@ -32,3 +33,4 @@ class Request:
     certificate: bool = True
     accept: Callable[[Array], bool] | None = None
     hints: Array | None = None
+    near: Array | None = None

@@ -30,6 +30,7 @@ TABLES = (
     "sweep mass --mass 1:2:2 --joint 7",
     "sweep contact-time --count 3",
     "sweep workspace --x=-0.6:0.6:3 --y=-0.6:0.6:3 --samples 2",
+    "sweep motion --x 0.5 --y 0.3 --samples 2 --tries 1 --joint 7",
     "robots list",
     "robots check panda",
     "robots check pr2_left",
@@ -104,7 +105,8 @@ def test_a_long_text_continues_indented_and_a_list_to_copy_stays_whole(capsys, m
 
 
 @pytest.mark.parametrize("words", commands(), ids=" ".join)
-def test_every_command_has_help_by_both_names(words, run):
+def test_every_command_has_help_by_both_names(words, run, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
     short, long = run(*words, "-h"), run(*words, "--help")
     assert (short.code, short.out) == (0, long.out)
     assert max(map(len, short.out.splitlines())) <= 80

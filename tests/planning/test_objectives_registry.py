@@ -18,8 +18,8 @@ class Nearest(Objective):
     def screen(self, seen):
         return np.log(seen.mobility)
 
-    def evaluate(self, seen):
-        return np.log(seen.mobility), seen.mobility_gradient / seen.mobility[:, None]
+    def formula(self, seen):
+        return seen.mobility, [by / seen.mobility for by in seen.mobility_gradient]
 
 
 def test_a_dummy_objective_is_planned_with(arm, monkeypatch):

@@ -1,16 +1,23 @@
 """Objectives, constraints and the climb: exact derivatives, exact bounds."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from tasks import task
 
 import hitjoints as hj
+from hitjoints.built import chain_of
+from hitjoints.errors import KernelMismatchError
+from hitjoints.kernels.formulas.links import TracedArm
+from hitjoints.kernels.tape.backends import VARIABLE
 from hitjoints.model.robot import Contact
+from hitjoints.planning.objectives import problem_program
 from hitjoints.planning.objectives.farthest_away import FarthestAway
-from hitjoints.planning.objectives.geometry import Axes, bend
 from hitjoints.planning.objectives.hit_problem import HitProblem
 from hitjoints.planning.objectives.registry import objective_named
 from hitjoints.planning.objectives.straight import straight_velocities
+from hitjoints.planning.objectives.traced_hit import bend
 from hitjoints.planning.search.climb import climb, feasible, pull_back
 
 H = np.array([0.48, 0.6, 0.64])
@@ -86,8 +93,13 @@ def test_bending_is_the_derivative_of_the_velocity(arm, urdf, name):
     def velocity(q):
         return np.array([hj.jacobian(robot, a, contact) @ b for a, b in zip(q, qd, strict=True)])
 
-    columns = np.array([hj.jacobian(robot, a, contact).T for a in q])
-    bent = bend(Axes(robot).spins(q), columns, qd)
+    chain = chain_of(robot)
+    bent = np.array(
+        [
+            bend(TracedArm(chain, tuple(a)).axes(), hj.jacobian(robot, a, contact).T, list(b))
+            for a, b in zip(q, qd, strict=True)
+        ]
+    )
     np.testing.assert_allclose(bent.transpose(0, 2, 1), differences(velocity, q), atol=CLOSE)
 
 
@@ -151,3 +163,40 @@ def test_climb_ends_at_a_maximum(arm):
     for top, value in zip(x[:5], now.value[:5], strict=True):
         near = pull_back(problem, top + 1e-3 * rng.standard_normal((200, robot.n)))
         assert near[1].value[feasible(problem, near[1])].max() < value + 1e-7
+
+
+def test_a_program_that_disagrees_with_pinocchio_is_refused(arm, monkeypatch):
+    robot = arm("iiwa14")
+    chain = chain_of(robot)
+    heavy = dataclasses.replace(chain.links[3], armature=0.01)
+    wrong = dataclasses.replace(chain, links=(*chain.links[:3], heavy, *chain.links[4:]))
+    monkeypatch.setattr(problem_program, "chain_of", lambda robot: wrong)
+    problem_program.program_for.cache_clear()
+    asked = task(robot, Contact(6), H, 2.0, None, True)
+    with pytest.raises(KernelMismatchError, match="mobility at joint 6"):
+        HitProblem(asked, objective_named("inertia"))
+
+
+@pytest.mark.parametrize("count", [0, 1, 3, 50])
+def test_any_number_of_points(arm, count):
+    robot = arm("iiwa14")
+    problem = HitProblem(task(robot, Contact(6), H, 2.0, None, True), objective_named("flux"))
+    q = np.random.default_rng(6).uniform(robot.lower, robot.upper, (50, robot.n))
+    whole, part = problem.evaluate(q), problem.evaluate(q[:count])
+    for name in ("value", "gradient", "residual", "slope"):
+        np.testing.assert_array_equal(getattr(part, name), getattr(whole, name)[:count])
+
+
+def test_numpy_gives_the_same(arm, monkeypatch):
+    robot = arm("panda")
+    q = np.random.default_rng(7).uniform(robot.lower, robot.upper, (20, robot.n))
+    asked, found = task(robot, Contact(7), H, 2.0, np.array([0.4, 0.2, 0.5]), True), []
+    for backend in ("llvm", "numpy"):
+        monkeypatch.setenv(VARIABLE, backend)
+        problem_program.program_for.cache_clear()
+        problem = HitProblem(asked, objective_named("deliverable"))
+        x = problem.start(q)
+        found.append(problem.evaluate(x))
+    for name in ("value", "gradient", "residual", "slope"):
+        np.testing.assert_allclose(*(getattr(one, name) for one in found), rtol=1e-9, atol=1e-9)
+    problem_program.program_for.cache_clear()

@@ -5,7 +5,7 @@ import pytest
 
 import hitjoints as hj
 from hitjoints.loading.load import load_robot
-from hitjoints.show.solids import solids
+from hitjoints.show.viewer.solids import solids
 
 HIT = ["--joint", "5", "--object=0.55,0.1,0.45", "--direction", "0,1,0", "--flux", "0.1"]
 

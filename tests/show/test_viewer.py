@@ -1,30 +1,22 @@
-"""The arm in the browser: what it is made of, where it stands, and what it says."""
+"""The viewer's server: what it draws and says, and what its controls do."""
 
-import json
-import re
-import shlex
-import signal
-import subprocess
 import sys
-import threading
 import urllib.request
-from contextlib import contextmanager
 
 import numpy as np
 import pinocchio as pin
 import pytest
-import trimesh
 import viser
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 import hitjoints as hj
 from hitjoints.errors import InputError, MissingExtraError
-from hitjoints.show.origin import is_foreign
-from hitjoints.show.solids import THICKNESS, solids
+from hitjoints.show.drawn_arm import rgb
+from hitjoints.show.viewer.drawing import RED
+from hitjoints.show.viewer.origin import is_foreign
 
 PORT = 18_080
-LIMIT = 60  # s, for a process that serves
 
 
 @pytest.fixture
@@ -35,48 +27,26 @@ def viewer(arm):
 
 
 def press(viewer, label):
-    """Do what a click in the browser does."""
+    """Do what a click in the browser does, and what it asks for."""
     for handle in viewer._server.gui._gui_input_handle_from_uuid.values():
         if getattr(handle, "label", None) == label:
             for callback in handle._impl.update_cb:
                 callback(None)
+            assert viewer.wait(60)
             return
     raise AssertionError(label)
 
 
-@pytest.mark.parametrize("name", ["iiwa14", "panda", "xarm7"])
-def test_solids_have_the_volume_of_the_shapes(arm, name):
-    robot = arm(name)
-    for solid, shape in zip(solids(robot), robot.collision_model.geometryObjects, strict=True):
-        drawn = trimesh.Trimesh(solid.vertices, solid.faces)
-        # A polygon of 32 sides has 0.64 % less area than its circle.
-        assert drawn.volume == pytest.approx(shape.geometry.computeVolume(), rel=0.01)
-        box = shape.geometry
-        box.computeLocalAABB()
-        ends = np.array([box.aabb_local.min_, box.aabb_local.max_])
-        np.testing.assert_allclose(drawn.bounds, ends, atol=1e-6 + 0.005 * np.ptp(ends))
+def drag(viewer, handle, to):
+    """Do what dragging a handle does."""
+    handle._impl.position = np.array(to, dtype=float)
+    for callback in handle._impl_aux.update_cb:
+        callback(type("Event", (), {"target": handle}))
+    assert viewer.wait(60)
 
 
-def test_spheres_and_boxes_of_an_own_robot(urdf):
-    shapes = "".join(
-        f'<collision><origin xyz="0.1 0 0"/><geometry>{kind}</geometry></collision>'
-        for kind in ('<sphere radius="0.1"/>', '<box size="0.1 0.2 0.3"/>')
-    )
-    text = urdf.two_links().replace("</inertial></link>", f"</inertial>{shapes}</link>", 1)
-    found = solids(urdf.load(text))
-    volumes = [trimesh.Trimesh(one.vertices, one.faces).volume for one in found]
-    assert [one.joint for one in found] == [1, 1]
-    assert volumes == pytest.approx([4 / 3 * np.pi * 0.1**3, 0.006], rel=0.02)
-
-
-def test_an_arm_without_shapes_is_drawn_with_bars(urdf):
-    robot = urdf.load(urdf.two_links())
-    reach = []
-    for bar in solids(robot):
-        corners = np.asarray(bar.vertices)
-        reach += [np.linalg.norm(corners, axis=1).max()]
-        assert bar.joint in (0, 1, 2)
-    assert max(reach) == pytest.approx(np.hypot(0.3, THICKNESS), rel=1e-6)
+def answer(viewer):
+    return viewer._panel._answer.content
 
 
 def test_links_stand_where_pinocchio_places_them(viewer):
@@ -87,36 +57,37 @@ def test_links_stand_where_pinocchio_places_them(viewer):
     pin.updateGeometryPlacements(
         robot.model, robot.model.createData(), robot.collision_model, geometry, q
     )
-    assert len(viewer._links) == len(geometry.oMg)
-    for link, at in zip(viewer._links, geometry.oMg, strict=True):
+    links = viewer._drawing._links
+    assert len(links) == len(geometry.oMg)
+    for link, at in zip(links, geometry.oMg, strict=True):
         np.testing.assert_allclose(link.position, at.translation, atol=1e-7)
         w, *xyz = link.wxyz
         np.testing.assert_allclose(pin.Quaternion(w, *xyz).matrix(), at.rotation, atol=1e-6)
-    assert [slider.value for slider in viewer._sliders] == pytest.approx(list(q))
+    assert [slider.value for slider in viewer._panel.sliders] == pytest.approx(list(q))
 
 
 def test_a_slider_turns_the_joint_and_the_numbers_follow(viewer):
     robot, q = viewer.robot, viewer.q.copy()
     q[1] += 0.2
-    viewer._sliders[1].value = q[1]
+    viewer._panel.sliders[1].value = q[1]
     np.testing.assert_allclose(viewer.q, q)
     inertia = hj.directional_inertia(robot, q, 6, [0, 1, 0])
     speed = hj.hitting_speed(robot, q, 6, [0, 1, 0], straight=True)
     flux = hj.hitting_flux(inertia, 2.0, speed)
-    said = viewer._numbers.content
-    assert f"| inertia | {inertia:.3f} | kg |" in said
-    assert f"| greatest speed, straight | {speed:.3f} | m/s |" in said
-    assert f"| greatest flux, straight | {flux:.3f} | m/s |" in said
+    said = viewer._panel._here.content
+    for number in (inertia, speed, flux):
+        assert f">{number:.3f}</td>" in said
+    assert viewer._drawing._said.text == f"joint 6: {inertia:.2f} kg"
 
 
 def test_the_scale_of_the_surface_suits_the_inertia(viewer):
     scales = {}
     for joint in ("7", "5", "7"):
-        viewer._joint.value = joint
-        scales[joint] = float(re.search(r"10 cm = ([\d.]+) kg", viewer._numbers.content)[1])
+        viewer._panel.hit.joint.value = joint
+        scales[joint] = float(viewer._drawing.scale.split("10 cm = ")[1].split()[0])
     assert scales["7"] < scales["5"]
-    viewer._joint.value = "4"  # on a sphere: along its radius the inertia has no end
-    assert "cut at 20 cm" in viewer._numbers.content
+    viewer._panel.hit.joint.value = "4"  # on a sphere: along its radius the inertia has no end
+    assert "cut at 20 cm" in viewer._panel._here.content
 
 
 def test_a_continuous_joint_may_be_turns_away(urdf):
@@ -124,9 +95,9 @@ def test_a_continuous_joint_may_be_turns_away(urdf):
     viewer = hj.view(robot, [0.5, 5.0], 2, port=PORT)
     try:
         np.testing.assert_allclose(viewer.q, [0.5, 5.0])
-        shown = [slider.value for slider in viewer._sliders]
-        assert shown == pytest.approx([0.5, 5.0 - 2 * np.pi])
-        viewer._sliders[0].value = 0.6
+        sliders = viewer._panel.sliders
+        assert [slider.value for slider in sliders] == pytest.approx([0.5, 5.0 - 2 * np.pi])
+        sliders[0].value = 0.6
         here = hj.position(robot, viewer.q, hj.Contact(2, (0.1, 0, 0)))
         np.testing.assert_allclose(here, hj.position(robot, [0.6, 5.0], hj.Contact(2, (0.1, 0, 0))))
     finally:
@@ -135,99 +106,158 @@ def test_a_continuous_joint_may_be_turns_away(urdf):
 
 def test_buttons(viewer):
     robot = viewer.robot
-    press(viewer, "plan for inertia")
-    best = hj.plan(robot, [0.5, 0.3, 0.5], [0, 1, 0], 2.0, [6]).best
-    assert best is not None
-    np.testing.assert_allclose(viewer.q, best.q)
+    press(viewer, "plan")
+    best = hj.plan(
+        robot, [0.5, 0.3, 0.5], [0, 1, 0], 2.0, [6], flux=0.3, deliverable=True, certificate=False
+    ).best
+    np.testing.assert_allclose(viewer.q, best.q, atol=1e-9)
+    assert f"{best.inertia:.3g}" in viewer._panel._candidates.content
     press(viewer, "home")
     np.testing.assert_allclose(viewer.q, robot.home)
     press(viewer, "place the joint at the object")
     np.testing.assert_allclose(hj.position(robot, viewer.q, 6), [0.5, 0.3, 0.5], atol=1e-6)
-    viewer._at.value = (0.5, 0.3, 3.0)
+
+
+def test_what_cannot_be_is_told(viewer):
+    viewer._panel.hit.by_itself.value = False
+    viewer._panel.hit.position.value = (0.5, 0.3, 3.0)
     press(viewer, "place the joint at the object")
-    assert "comes no nearer than" in viewer._answer.content
-    press(viewer, "plan for inertia")
-    assert "unreachable" in viewer._answer.content
-
-
-def test_the_hit_is_played_to_its_end(viewer, monkeypatch):
-    shown = []
-    monkeypatch.setattr(viewer, "move", shown.append)
-    press(viewer, "hit, 10 times slower")
-    result = hj.rollout(viewer.robot, hj.Hit(6, [0.5, 0.3, 0.5], [0, 1, 0], 2.0, 0.3))
-    np.testing.assert_array_equal(shown[0], result.rows["q"][0])
-    assert len(shown) == len(result.rows["q"][::2])  # about 30 frames a second
-
-
-def test_a_swing_is_played_from_where_the_arm_is(viewer, monkeypatch):
-    shown, begun = [], viewer.q.copy()
-    monkeypatch.setattr(viewer, "move", shown.append)
-    monkeypatch.setattr("time.sleep", lambda _: None)
-    press(viewer, "swing from here")
-    made = hj.swing(viewer.robot, hj.Hit(6, [0.5, 0.3, 0.5], [0, 1, 0], 2.0, 0.3), q0=begun)
-    np.testing.assert_array_equal(shown[0], begun)
-    assert len(shown) == len(made.times[::33])  # about 30 frames a second
-    viewer._flux.value = 3.0
-    press(viewer, "swing from here")
-    assert "beyond the maximum" in viewer._answer.content
-
-
-def test_a_direction_of_zero_is_told_and_nothing_breaks(viewer):
-    viewer._along.value = (0.0, 0.0, 0.0)
-    assert "direction" in viewer._numbers.content
-    viewer._along.value = (0.0, 2.0, 0.0)
-    assert "| inertia |" in viewer._numbers.content
+    assert "comes no nearer than" in answer(viewer)
+    press(viewer, "play")
+    assert "plan first" in answer(viewer)
+    press(viewer, "plan")
+    assert "unreachable" in viewer._panel._candidates.content
+    viewer._panel.hit.direction.value = (0.0, 0.0, 0.0)
+    assert "direction" in answer(viewer)
+    viewer._panel.hit.direction.value = (0.0, 2.0, 0.0)
+    assert answer(viewer) == ""
 
 
 def test_a_joint_that_cannot_move_is_told(viewer):
-    viewer._joint.value = "1"
-    assert "cannot move" in viewer._numbers.content
+    viewer._panel.hit.joint.value = "1"
+    assert "cannot move" in viewer._panel._here.content
+    assert "cannot move" in viewer._drawing._said.text
+
+
+def test_to_look_is_not_to_plan(viewer):
+    """Nothing is planned until it is asked for."""
+    viewer._panel.hit.joint.value = "7"
+    viewer._panel.sliders[0].value = 0.1
+    viewer.move(viewer.robot.home)
+    assert viewer.wait(5)
+    assert viewer.stage.plan is None
+
+
+def test_what_is_dragged_is_planned_for(viewer):
+    drag(viewer, viewer._handles._object, (0.45, 0.25, 0.5))
+    first = viewer.stage.plan
+    np.testing.assert_allclose(first.position, (0.45, 0.25, 0.5))
+    np.testing.assert_array_equal(viewer.q, viewer.stage.candidate.q)
+    viewer._panel.hit.way.value = "goal"
+    assert viewer.wait(60)
+    drag(viewer, viewer._handles._aim, (0.6, 0.4, 0.9))
+    second = viewer.stage.plan
+    np.testing.assert_allclose(viewer.stage.wish.goal, (0.6, 0.4, 0.5))
+    np.testing.assert_allclose(second.direction, np.array((1, 1, 0)) / np.sqrt(2), atol=1e-9)
+    assert second != first
+
+
+def test_a_plan_is_shown_and_not_made_again(arm, monkeypatch):
+    robot = arm("iiwa14")
+    planned = hj.plan(robot, [0.5, 0.3, 0.5], [0, 1, 0], 2.0, [6], flux=0.2, certificate=False)
+    monkeypatch.setattr("hitjoints.show.viewer.stage.plan", None)
+    viewer = hj.view(planned, robot, port=PORT)
+    try:
+        assert viewer.stage.plan is planned
+        np.testing.assert_array_equal(viewer.q, planned.best.q)
+        viewer.make("rollout")
+        result = hj.rollout(planned, robot)
+        np.testing.assert_allclose(viewer.stage.clip.q, result.rows["q"])
+        np.testing.assert_allclose(viewer.q, result.rows["q"][0])
+    finally:
+        viewer.stop()
+
+
+@pytest.mark.parametrize("kind", ["swing", "rollout"])
+def test_a_motion_is_played_to_its_end(arm, kind):
+    robot = arm("iiwa14")
+    hit = hj.Hit(6, [0.5, 0.3, 0.5], [0, 1, 0], 2.0, 0.3)
+    made = getattr(hj, kind)(robot, hit)
+    rows = made.joints.q if kind == "swing" else made.rows["q"]
+    viewer = hj.view(made, port=PORT)
+    try:
+        assert viewer.stage.clip.kind == kind
+        begin = np.array(viewer._drawing._box.position)
+        viewer.scrub(viewer.stage.clip.impact_time / 2)
+        np.testing.assert_array_equal(viewer._drawing._box.position, begin)
+        viewer.set_speed(100.0)
+        viewer.play_or_pause()
+        for _ in range(200):
+            if not viewer._timeline.plays:
+                break
+            viewer._timeline._over.wait(0.05)
+        np.testing.assert_allclose(viewer.q, rows[-1], atol=1e-12)
+        way = np.array(viewer._drawing._box.position) - begin
+        assert way[1] > 0.02
+        np.testing.assert_allclose(begin + way, viewer.stage.box.centre, atol=1e-12)
+    finally:
+        viewer.stop()
+
+
+def test_limits_are_red(viewer):
+    q = viewer.robot.home.copy()
+    q[3] = viewer.robot.lower[3]
+    viewer.move(q)
+    red = tuple(round(255 * c) for c in rgb(RED))
+    drawing = viewer._drawing
+    colours = {
+        joint: link.color
+        for (joint, _), link in zip(drawing._carriers, drawing._links, strict=True)
+    }
+    assert colours[4] == red
+    assert colours[3] != red
+    viewer.move(viewer.robot.home)
+    assert drawing._links[-1].color != red
+    assert all(link.color != red for link in drawing._links)
+
+
+def test_where_the_box_stops_is_drawn(viewer):
+    press(viewer, "plan")
+    found, _ = viewer.stage.rest
+    scene = viewer._server.scene
+    mark = scene.get_handle_by_name("/landing")
+    np.testing.assert_allclose(
+        mark.position[:2],
+        found.mean[:2] + (viewer.stage.begin.centre - (0.5, 0.3, 0.5))[:2],
+        atol=1e-9,
+    )
+    spread = np.sqrt(np.linalg.eigvalsh(found.covariance).max())
+    assert np.abs(mark.vertices[:, 1]).max() == pytest.approx(max(2 * spread, 0.01), rel=1e-3)
+
+
+def test_a_page_says_and_plays_what_is_shown(arm):
+    planned = hj.plan(
+        arm("iiwa14"), [0.5, 0.3, 0.5], [0, 1, 0], 2.0, [6, 7], flux=0.2, certificate=False
+    )
+    viewer = hj.view(planned, arm("iiwa14"), port=PORT)
+    try:
+        still = viewer.as_html()
+        viewer.make()
+        viewer.scrub(0.7)
+        moving = viewer.as_html()
+        assert viewer.stage.time == 0.7
+    finally:
+        viewer.stop()
+    for page in (still, moving):
+        assert f"{planned.best.inertia:.3g}" in page
+        assert "2 kg at (0.5, 0.3, 0.5) m" in page
+    assert "can be sent" in moving
+    assert len(moving) > len(still) + 10_000
 
 
 def test_it_is_served(viewer):
     page = urllib.request.urlopen(viewer.url, timeout=10).read()
     assert b"<html" in page.lower()
-
-
-def test_command_writes_a_page(run, tmp_path):
-    page = tmp_path / "arm.html"
-    outcome = run("view", "--robot", "panda", "--joint", 7, "--out", page, "--json")
-    assert outcome.code == 0
-    assert outcome.json["joint"] == 7
-    assert outcome.json["url"].startswith("http://127.0.0.1:")
-    assert "<html" in page.read_text().lower()
-    assert outcome.err == f"written: {page}\n"
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("ignored", [False, True])
-def test_command_serves_until_a_signal(number, ignored):
-    """Also when it starts with SIGINT ignored, as what a script runs in the background does."""
-    words = [sys.executable, "-m", "hitjoints.cli", "view", "--port", str(PORT + 50), "--json"]
-    ignore = "trap '' INT;" if ignored else ""
-    words = ["sh", "-c", f"{ignore} exec {shlex.join(words)}"]
-    with served(words) as it:
-        found = json.loads(it.stdout.readline())
-        page = urllib.request.urlopen(found["url"], timeout=10).read()
-        it.send_signal(number)
-        rest, said = it.communicate(timeout=20)
-    assert b"<html" in page.lower()
-    assert (it.returncode, rest) == (0, "")
-    assert said == f"serving: {found['url']} until Ctrl-C\n"
-
-
-@contextmanager
-def served(words):
-    """Run a server, and end it whatever becomes of the test."""
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    with subprocess.Popen(words, text=True, **pipes) as it:
-        late = threading.Timer(LIMIT, it.kill)
-        late.start()
-        try:
-            yield it
-        finally:
-            late.cancel()
-            it.kill()
 
 
 @pytest.mark.parametrize(
@@ -279,34 +309,6 @@ def test_which_pages_are_foreign(origin, asked, served_as, foreign):
     assert is_foreign(origin, asked, served_as) == foreign
 
 
-@pytest.mark.parametrize("option", ["--mass", "--flux"])
-@pytest.mark.parametrize("value", ["1e-5", "0.005", "1e9"])
-def test_small_and_large_numbers_are_shown(run, tmp_path, option, value):
-    outcome = run("view", option, value, "--out", tmp_path / "arm.html", "--json")
-    assert outcome.code == 0
-    assert outcome.json["joint"] == 6
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["--q", "9,0,0,0,0,0,0"], "joint 1 is at 9, outside its limits"),
-        (["--port", "0"], "port = 0: a port is from 1 to 65535"),
-        (["--host", "no.such.host.invalid"], "host = no.such.host.invalid: "),
-        (["--out", "arm.txt"], "out = arm.txt: the name must end in .html"),
-        (["--joint", "8"], "joint = 8: iiwa14 has joints 1 to 7"),
-        (["--direction", "0,0,0"], "direction"),
-        (["--mass", "-1"], "mass = -1.0"),
-    ],
-)
-def test_bad_input(run, arguments, words):
-    outcome = run("view", *arguments)
-    assert outcome.code == 1
-    assert words in outcome.err
-    assert len(outcome.err.splitlines()) == 1
-    assert outcome.out == ""
-
-
 def test_without_viser_the_install_line_is_told(arm, monkeypatch):
     monkeypatch.setitem(sys.modules, "viser", None)
     with pytest.raises(MissingExtraError, match=r"hitjoints\[view\]"):
@@ -317,19 +319,3 @@ def test_configurations_outside_the_limits_are_refused(viewer):
     with pytest.raises(InputError, match="joint 4"):
         viewer.move([0, 0, 0, 3, 0, 0, 0])
     np.testing.assert_array_equal(viewer.q, viewer.robot.home)
-
-
-def test_a_plan_is_shown_and_played(arm, monkeypatch):
-    """A hit is played to the configuration that was planned, not to another that would do."""
-    robot = arm("iiwa14")
-    planned = hj.plan(robot, [0.5, 0.3, 0.5], [0, 1, 0], 2.0, [6], flux=0.2, certificate=False)
-    viewer = hj.view(planned, robot, port=PORT)
-    try:
-        np.testing.assert_array_equal(viewer.q, planned.best.q)
-        shown = []
-        monkeypatch.setattr(viewer, "move", shown.append)
-        press(viewer, "hit, 10 times slower")
-        result = hj.rollout(planned, robot)
-        np.testing.assert_allclose(shown[0], result.rows["q"][0])
-    finally:
-        viewer.stop()

@@ -8,7 +8,7 @@ import numpy as np
 
 from hitjoints.built import kernel_for
 from hitjoints.model.robot import Contact
-from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN
+from hitjoints.planning.objectives.problem_program import AWAY_MARGIN
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -136,11 +136,28 @@ class TracedArm:
         columns: list[Vector] = []
         for i, r in enumerate(reaches):
             if i:
-                (c, s), (c_tilt, s_tilt) = self.turns[i], self.links[i].tilt
-                y, z = _mix(c_tilt, y, s_tilt, z), _mix(c_tilt, z, -s_tilt, y)
-                x, y = _mix(c, x, s, y), _mix(c, y, -s, x)
+                x, y, z = self._frame_of(i, x, y, z)
             columns.append(z if self.links[i].prismatic else _mix(r[0], y, -r[1], x))
         return columns
+
+    def axes(self) -> list[Vector]:
+        """Axes of the joints in the world, zero of those that slide."""
+        x: Vector = (1.0, 0.0, 0.0)
+        y: Vector = (0.0, 1.0, 0.0)
+        z: Vector = (0.0, 0.0, 1.0)
+        axes: list[Vector] = []
+        for i, link in enumerate(self.links):
+            if i:
+                x, y, z = self._frame_of(i, x, y, z)
+            still = (0.0, 0.0, 0.0)
+            axes.append(still if link.prismatic else self.in_world(self.inward(0, z)))
+        return axes
+
+    def _frame_of(self, i: int, x: Vector, y: Vector, z: Vector) -> tuple[Vector, Vector, Vector]:
+        """Axes of link i's frame from those of the one before, both in any frame."""
+        (c, s), (c_tilt, s_tilt) = self.turns[i], self.links[i].tilt
+        y, z = _mix(c_tilt, y, s_tilt, z), _mix(c_tilt, z, -s_tilt, y)
+        return _mix(c, x, s, y), _mix(c, y, -s, x), z
 
 
 def _mix(a: Scalar, u: Vector, b: Scalar, v: Vector) -> Vector:

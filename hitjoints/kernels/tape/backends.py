@@ -43,6 +43,9 @@ class Runnable(Protocol):
     ) -> Callable[[int, int], None]:
         """Return what evaluates rows start..stop."""
 
+    def bind_points(self, x: Array, shared: Array, out: Array) -> Callable[[int, int], None]:
+        """Return the same for inputs that are the columns of one array, and shared ones."""
+
 
 def choose(backend: str | None = None) -> str:
     """Name of the back end to use.
@@ -79,13 +82,20 @@ def llvm_works() -> bool:
     return bool(np.all(out == 3.0))
 
 
-def prepare(program: Tape, rows_only: int, backend: str | None = None) -> Runnable:
-    """Make a program ready to run; its first `rows_only` inputs always differ per row."""
+def prepare(program: Tape, rows_only: int, backend: str | None = None, effort: int = 2) -> Runnable:
+    """Make a program ready to run; its first `rows_only` inputs always differ per row.
+
+    Args:
+        program: what to run.
+        rows_only: how many.
+        backend: as `choose`.
+        effort: of compiling, 2 for millions of rows or 0 for thousands.
+    """
     if choose(backend) == "numpy":
         return NumpyProgram(program)
     from hitjoints.kernels.tape.llvm_backend import LlvmProgram
 
-    return LlvmProgram(program, rows_only)
+    return LlvmProgram(program, rows_only, effort=effort)
 
 
 def over_boxes(program: Tape) -> Callable[[list[Interval], int], Interval]:
@@ -130,6 +140,27 @@ def evaluate(
             work = _in_turn(check, work)
         rounds = min(iterations, USUAL_ROUNDS)
         over_rows(work, out.shape[1], threads, rounds * run.nanoseconds)
+    return out[:, :rows]
+
+
+def evaluate_points(run: Runnable, x: Array, shared: Array) -> Array:
+    """Evaluate rows that lie in one array, in this thread: what a search calls again and again.
+
+    Args:
+        run: the program.
+        x: (N, m) the first inputs.
+        shared: (k,) the others, the same for all rows.
+
+    Returns:
+        (outputs, N).
+    """
+    rows = len(x)
+    if not rows:
+        return np.empty((len(run.program.outputs), 0))
+    if rows < run.lanes:
+        x = np.concatenate((x, np.repeat(x[-1:], run.lanes - rows, axis=0)))
+    out = np.empty((len(run.program.outputs), len(x)))
+    run.bind_points(np.ascontiguousarray(x), shared, out)(0, len(x))
     return out[:, :rows]
 
 

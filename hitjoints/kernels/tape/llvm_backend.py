@@ -37,10 +37,16 @@ def host_lanes() -> int:
     return 8 if "+avx512f" in features else 4 if "+avx2" in features else 2
 
 
-def compile_function(text: str, signature: Any) -> tuple[Any, Any]:
-    """Compile IR with a function `run`; returns it and the engine that must outlive it."""
+def compile_function(text: str, signature: Any, effort: int = 2) -> tuple[Any, Any]:
+    """Compile IR with a function `run`; returns it and the engine that must outlive it.
+
+    Args:
+        text: the IR.
+        signature: of the function.
+        effort: 2 makes the fastest code; 0 takes a third of the time, for code half as fast.
+    """
     target, cpu, features = host()
-    machine = target.create_target_machine(cpu=cpu, features=features, opt=2)
+    machine = target.create_target_machine(cpu=cpu, features=features, opt=effort)
     module = llvm.parse_assembly(text)
     engine = llvm.create_mcjit_compiler(module, machine)
     engine.finalize_object()
@@ -54,14 +60,15 @@ class LlvmProgram:
         program: what to run.
         rows_only: this many inputs always differ per row.
         states: outputs fed back as inputs, see `run_function`.
+        effort: of compiling, see `compile_function`.
     """
 
-    def __init__(self, program: Tape, rows_only: int, states: int = 0) -> None:
+    def __init__(self, program: Tape, rows_only: int, states: int = 0, effort: int = 2) -> None:
         self.program = program
         self.lanes = host_lanes()
         self.nanoseconds = NANOSECONDS * program.count / self.lanes
         text = run_function(program, self.lanes, rows_only, states)
-        self.function, self.keep = compile_function(text, SIGNATURE)
+        self.function, self.keep = compile_function(text, SIGNATURE, effort)
 
     def bind(
         self, inputs: list[Array] | Array, out: Array, iterations: int = 1
@@ -88,4 +95,27 @@ class LlvmProgram:
             first = min(start, stop - self.lanes)
             self.function(pointers, strides, place, rows, first, stop, iterations)
 
+        return run
+
+    def bind_points(self, x: Array, shared: Array, out: Array) -> Callable[[int, int], None]:
+        """Return the same for inputs that are the columns of one array, and shared ones.
+
+        Args:
+            x: (N, m), C-contiguous, N at least the number of lanes.
+            shared: (k,), contiguous.
+            out: (outputs, N), filled, C-contiguous.
+        """
+        rows, columns = x.shape
+        places = np.arange(columns + len(shared))
+        places[:columns] = x.ctypes.data + x.itemsize * places[:columns]
+        places[columns:] = shared.ctypes.data + x.itemsize * (places[columns:] - columns)
+        strides = np.zeros(len(places), dtype=np.int64)
+        strides[:columns] = columns
+        result = out.ctypes.data
+
+        def run(start: int, stop: int) -> None:
+            first = min(start, stop - self.lanes)
+            self.function(places.ctypes.data, strides.ctypes.data, result, rows, first, stop, 1)
+
+        run.keep = x, shared, out  # type: ignore[attr-defined]
         return run

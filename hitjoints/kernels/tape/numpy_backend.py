@@ -88,6 +88,10 @@ class NumpyProgram:
         assert iterations == 1
         return partial(self._run, inputs, out)
 
+    def bind_points(self, x: Array, shared: Array, out: Array) -> Callable[[int, int], None]:
+        """Return the same for inputs that are the columns of x (N, m), and shared ones (k,)."""
+        return self.bind([*x.T, *shared[:, None]], out)
+
     def _run(self, inputs: list[Array] | Array, out: Array, start: int, stop: int) -> None:
         width = min(BLOCK, stop - start)
         bank = np.empty((self.registers, width))

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hitjoints.built import kernel_for
+from hitjoints.dynamics.kinematics import jacobian
 from hitjoints.quantities import place_joint
 from hitjoints.tolerances import rank_floor
 
@@ -79,8 +79,7 @@ def freedom(
         return free(h, across)
     if position is not None:
         q = place_joint(robot, contact, np.tile(position, (PROBES, 1))).q
-    kernel = kernel_for(robot, (contact,), ("jacobian",))
-    jacobians = kernel(np.atleast_2d(q), h)["jacobian"][0]
+    jacobians = np.array([jacobian(robot, row, contact) for row in np.atleast_2d(q)])
     axes, size, _ = np.linalg.svd(jacobians, full_matrices=False)
     rank = (size > rank_floor(jacobians)[:, None]).sum(axis=1)
     # The clearest of the configurations tells: near singular ones the directions are blurred.
@@ -98,8 +97,7 @@ def is_blind(robot: Robot, contact: Contact) -> bool:
     """Tell whether the contact's Jacobian has a rank below three in all configurations."""
     low, high = robot.finite_limits
     q = np.random.default_rng(0).uniform(low, high, (PROBES, robot.n))
-    kernel = kernel_for(robot, (contact,), ("jacobian",))
-    jacobians = kernel(q, np.array([1.0, 0.0, 0.0]))["jacobian"][0]
+    jacobians = np.array([jacobian(robot, row, contact) for row in q])
     size = np.linalg.svd(jacobians, compute_uv=False)
     return size.shape[1] < 3 or bool((size[:, 2] <= rank_floor(jacobians)).all())
 

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hitjoints.built import kernel_for
+from hitjoints.built import chain_of
 from hitjoints.hitting.drive_limits import drive_limits
-from hitjoints.kernels import Chain
+from hitjoints.impact.composite import composite_inertia, composite_inertia_gradient
 from hitjoints.kernels.formulas.speeds import lateral
 from hitjoints.planning.objectives.freedom import freedom, is_blind
-from hitjoints.planning.objectives.geometry import Axes
+from hitjoints.planning.objectives.problem_program import AWAY_MARGIN, Form, program_for
 from hitjoints.planning.objectives.sight import Sight
 from hitjoints.planning.objectives.stopping_room import StoppingRoom
 from hitjoints.planning.objectives.straight import straight_velocities
@@ -25,14 +25,8 @@ if TYPE_CHECKING:
     from hitjoints.planning.task import Task
     from hitjoints.types import Array
 
-AWAY_MARGIN = 1e-6
-"""The away condition is strict; h . (chi_{k+1} - chi_k) <= -1e-6 m is closed, and implies it."""
-
 FLUX_MARGIN = 1e-9
 """A required flux is exceeded by this share, so that rounding cannot leave it short."""
-
-KERNEL = ("mobility", "mobility_gradient", "speed", "position", "jacobian")
-"""Outputs of the one kernel a hit needs, but for straight-flux, which screens with a second."""
 
 
 class HitProblem:
@@ -74,17 +68,12 @@ class HitProblem:
         slowest, fastest = robot.velocity_lower, robot.velocity_upper
         if objective.stopping or self.deliverable:
             contact = task.contact
-            movers = Chain.from_model(robot.model).attach(contact.joint, contact.offset)[0]
+            movers = chain_of(robot).attach(contact.joint, contact.offset)[0]
             self.room = StoppingRoom(drive_limits(robot), robot.lower, robot.upper, movers)
             slowest, fastest = self.room.slowest_fastest
         if self.moving:
             self.lower = np.concatenate((self.lower, slowest))
             self.upper = np.concatenate((self.upper, fastest))
-        self.kernel = kernel_for(robot, (task.contact,), KERNEL)
-        # The points of the away condition, of which the contact itself is known already.
-        origin = type(task.contact)(task.contact.joint)
-        self.ends = (task.beyond,) if task.contact == origin else (origin, task.beyond)
-        self.axes = Axes(robot)
         self.blind = is_blind(robot, task.contact)
         across = np.array(lateral(tuple(task.direction)), dtype=float)
         across /= np.linalg.norm(across, axis=1, keepdims=True)
@@ -92,6 +81,30 @@ class HitProblem:
         self.freedom = freedom(robot, task.contact, task.target, where, task.direction, across)
         placed = 0 if task.target is None else len(self.freedom.seen)
         self.equalities = placed + (len(self.freedom.sideways) if self.moving else 0)
+        form = Form(
+            task.contact,
+            task.beyond,
+            type(objective),
+            moving=self.moving,
+            away=task.away and objective.keeps_away,
+            reached=flux is not None and not self.deliverable,
+            delivered=self.deliverable,
+            seen=placed,
+            sideways=len(self.freedom.sideways) if self.moving else 0,
+            blind=self.blind and task.target is not None,
+            locked=self.locked,
+        )
+        self.program = program_for(robot, form)
+        self._shared = np.concatenate(
+            (
+                task.direction,
+                self.freedom.forward,
+                np.zeros(3) if task.target is None else task.target,
+                self.freedom.seen[:placed].ravel(),
+                self.freedom.sideways[: form.sideways].ravel(),
+                (task.mass, np.nan, self.freedom.slack**2),
+            )
+        )
 
     def start(self, q: Array) -> Array:
         """Return points x for configurations q (N, n)."""
@@ -114,51 +127,38 @@ class HitProblem:
         """
         seen, excess = Sight(self, q), np.zeros(len(q))
         if self.task.away and self.objective.keeps_away:
-            excess = np.maximum(seen.gap[0] + AWAY_MARGIN, 0.0)
+            excess = np.maximum(seen.gap + AWAY_MARGIN, 0.0)
         if self.flux is not None:
             reached = seen.log_straight_flux if self.deliverable else seen.log_flux
             excess = excess + np.maximum(np.log(self.flux) + FLUX_MARGIN - reached, 0.0)
         value = self.objective.screen(seen)
         return value, np.where(np.isfinite(value) & np.isfinite(excess), excess, np.inf)
 
+    def run(self, x: Array) -> Array:
+        """Return the program's outputs (K, N) at x (N, m)."""
+        if self.flux is not None:
+            self._shared[-2] = self.flux * (1.0 + FLUX_MARGIN)
+        if self.locked:
+            mobility, gradient = locked_mobility(self.task, x[:, : self.n])
+            x = np.concatenate((x, mobility[:, None], gradient), axis=1)
+        return self.program(x, self._shared)
+
     def evaluate(self, x: Array) -> Values:
         """Evaluate at x (N, m), see `Problem`."""
-        q = np.ascontiguousarray(x[:, : self.n])
-        qd = x[:, self.n :] if self.moving else None
-        seen = Sight(self, q, qd, threads=1)
-        value, gradient = self.objective.evaluate(seen)
-        residual: list[Array] = []
-        slope: list[Array] = []
-        if self.task.target is not None:
-            residual += list((seen.missed @ self.freedom.seen.T).T)
-            slope += list((self.freedom.seen @ seen.jacobian).transpose(1, 0, 2))
-            if self.blind:
-                value = np.where(self.freedom.misses(seen.missed), np.nan, value)
-        if qd is not None:
-            for sideways in self.freedom.sideways:
-                row = seen.columns @ sideways
-                residual.append((row * qd).sum(axis=1))
-                slope.append(np.concatenate((seen.bent @ sideways, row), axis=1))
-        if self.task.away and self.objective.keeps_away:
-            gap, gap_by = seen.gap
-            residual.append(gap + AWAY_MARGIN)
-            slope.append(gap_by)
-        if self.flux is not None:
-            if self.deliverable:
-                short, by = seen.short_of(self.flux * (1.0 + FLUX_MARGIN))
-            else:
-                reached, rising = seen.flux()
-                short, by = np.log(self.flux) + FLUX_MARGIN - reached, -rising
-            residual.append(short)
-            slope.append(by)
-        if self.room is not None and qd is not None:
-            over, over_by = self.room.constraints(q, qd)
-            residual += list(over.T)
-            slope += list(over_by.transpose(1, 0, 2))
-        filled = np.zeros((len(x), len(slope), x.shape[1]))
-        for i, part in enumerate(slope):
-            filled[:, i, : part.shape[1]] = part
-        if gradient.shape[1] < x.shape[1]:  # an objective of q alone
-            gradient = np.hstack((gradient, np.zeros((len(x), x.shape[1] - gradient.shape[1]))))
-        residuals = np.stack(residual, axis=1) if residual else np.zeros((len(x), 0))
-        return Values(value, gradient, residuals, filled)
+        value, gradient, residual, slope = self.program.cut(self.run(x))
+        if self.objective.logarithm:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                value = np.log(value)
+        if self.program.logged is not None:
+            assert self.flux is not None
+            with np.errstate(divide="ignore", invalid="ignore"):
+                reached = np.log(residual[:, self.program.logged])
+            residual[:, self.program.logged] = np.log(self.flux) + FLUX_MARGIN - reached
+        return Values(value, gradient, residual, slope)
+
+
+def locked_mobility(task: Task, q: Array) -> tuple[Array, Array]:
+    """Return the inverse of the inertia of locked joints (N,) 1/kg at q (N, n), its gradient."""
+    mobility = 1.0 / composite_inertia(task.robot, q, task.contact, task.direction)
+    slope = composite_inertia_gradient(task.robot, q, task.contact, task.direction)
+    return mobility, -slope * mobility[:, None] ** 2

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 from hitjoints.planning.objectives.objective import Objective
 
 if TYPE_CHECKING:
+    from hitjoints.kernels.tape.trace import Scalar
     from hitjoints.planning.objectives.sight import Sight
+    from hitjoints.planning.objectives.traced_hit import TracedHit
     from hitjoints.types import Array
 
 
@@ -20,12 +22,14 @@ class MostFlux(Objective):
         """Return the logarithm of the flux."""
         return seen.log_flux
 
-    def evaluate(self, seen: Sight) -> tuple[Array, Array]:
-        """Return the logarithm of the flux and its gradient."""
-        return seen.flux()
+    def formula(self, seen: TracedHit) -> tuple[Scalar, list[Scalar]]:
+        """Return the flux of the velocities, the fastest or chosen ones, and the gradient of its
+        logarithm.
+        """
+        return seen.flux
 
 
-class MostStraightFlux(Objective):
+class MostStraightFlux(MostFlux):
     """The same for a motion exactly along the direction."""
 
     ranked_by = "straight_flux"
@@ -34,10 +38,6 @@ class MostStraightFlux(Objective):
     def screen(self, seen: Sight) -> Array:
         """Return the logarithm of the greatest straight flux."""
         return seen.log_straight_flux
-
-    def evaluate(self, seen: Sight) -> tuple[Array, Array]:
-        """Return the logarithm of the flux of the velocities chosen, and its gradient."""
-        return seen.moving_flux
 
 
 class MostDeliverable(MostStraightFlux):

@@ -9,7 +9,9 @@ import numpy as np
 from hitjoints.planning.objectives.objective import Objective
 
 if TYPE_CHECKING:
+    from hitjoints.kernels.tape.trace import Scalar
     from hitjoints.planning.objectives.sight import Sight
+    from hitjoints.planning.objectives.traced_hit import TracedHit
     from hitjoints.types import Array
 
 
@@ -22,10 +24,10 @@ class MostInertia(Objective):
         """Return the logarithm of the inertia."""
         return np.asarray(-np.log(seen.mobility))
 
-    def evaluate(self, seen: Sight) -> tuple[Array, Array]:
-        """Return the logarithm of the inertia and its gradient."""
-        mobility = seen.mobility
-        return -np.log(mobility), -seen.mobility_gradient / mobility[:, None]
+    def formula(self, seen: TracedHit) -> tuple[Scalar, list[Scalar]]:
+        """Return the inertia and the gradient of its logarithm."""
+        inertia = 1.0 / seen.mobility
+        return inertia, [-(by * inertia) for by in seen.mobility_gradient]
 
 
 class LeastRebound(MostInertia):

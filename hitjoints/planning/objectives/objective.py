@@ -6,7 +6,9 @@ from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, ClassVar
 
 if TYPE_CHECKING:
+    from hitjoints.kernels.tape.trace import Scalar
     from hitjoints.planning.objectives.sight import Sight
+    from hitjoints.planning.objectives.traced_hit import TracedHit
     from hitjoints.types import Array
 
 
@@ -15,6 +17,7 @@ class Objective(ABC):
 
     Attributes:
         ranked_by: quantity of a candidate that tells which joint is best.
+        logarithm: of the formula, which is positive then; else the formula itself is maximised.
         moving: the joint velocities of a straight motion are variables beside q.
         stopping: those velocities are reached from rest, and stopped from, within the limits.
         needs_flux: it makes sense only with a flux to be reached.
@@ -23,6 +26,7 @@ class Objective(ABC):
     """
 
     ranked_by: ClassVar[str]
+    logarithm: ClassVar[bool] = True
     moving: ClassVar[bool] = False
     stopping: ClassVar[bool] = False
     needs_flux: ClassVar[bool] = False
@@ -31,8 +35,10 @@ class Objective(ABC):
 
     @abstractmethod
     def screen(self, seen: Sight) -> Array:
-        """Return values (N,), not finite where there is nothing to maximise."""
+        """Return what is maximised (N,), not finite where there is nothing to maximise."""
 
     @abstractmethod
-    def evaluate(self, seen: Sight) -> tuple[Array, Array]:
-        """Return values (N,) and gradients (N, n), or (N, 2 n) by q and qd when moving."""
+    def formula(self, seen: TracedHit) -> tuple[Scalar, list[Scalar]]:
+        """Return the formula, and the gradient of what is maximised: by q (n), or by q and qd when
+        moving. It is recorded once for an arm and a contact.
+        """

@@ -12,8 +12,12 @@ import numpy as np
 
 from hitjoints.hitting.drive_limits import WITHIN, DriveLimits
 from hitjoints.hitting.velocity_box import ROOM, velocity_box
+from hitjoints.kernels.tape.trace import absolute, minimum, where_less
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from hitjoints.kernels.tape.trace import Scalar
     from hitjoints.types import Array
 
 
@@ -47,25 +51,28 @@ class StoppingRoom:
         """Return the velocity boxes at q (N, n), (N, n) rad/s each."""
         return velocity_box(self.limits, q, self.lower, self.upper)
 
-    def constraints(self, q: Array, qd: Array) -> tuple[Array, Array]:
-        """Return the excess (N, c) rad over the room there is, and its derivatives (N, c, 2 n)."""
-        joint, n = self.joint, q.shape[1]
-        behind = q[:, joint] - self.lower[joint]
-        ahead = self.upper[joint] - q[:, joint]
-        back = np.where(self.side == 0, behind < ahead, self.side < 0)
-        excess = self._way(np.abs(qd))[:, joint] - np.where(back, behind, ahead)
-        slope = np.zeros((len(q), len(joint), 2 * n))
-        rows = np.arange(len(joint))
-        slope[:, rows, joint] = np.where(back, -1.0, 1.0)
-        slope[:, rows, n + joint] = (np.sign(qd) * self._rate(np.abs(qd)))[:, joint]
-        return excess, slope
+    def formulas(
+        self, q: Sequence[Scalar], qd: Sequence[Scalar]
+    ) -> list[tuple[Scalar, list[Scalar]]]:
+        """Return each constraint's excess (rad) over the room there is, and its gradient (2 n)."""
+        a, j = self.limits.acceleration_used, self.limits.jerk_used
+        n, constraints = len(q), []
+        for i, side in zip(self.joint.tolist(), self.side.tolist(), strict=True):
+            behind, ahead = q[i] - float(self.lower[i]), float(self.upper[i]) - q[i]
+            fast, steady = 0.5 / ROOM / float(a[i]), 0.5 / ROOM * float(a[i] / j[i])
+            speed = absolute(qd[i])
+            rate = 2.0 * fast * speed + steady
+            slope: list[Scalar] = [0.0] * (2 * n)
+            if side == 0:  # the nearer limit
+                room = minimum(behind, ahead)
+                slope[i] = where_less(behind, ahead, -1.0, 1.0)
+            else:
+                room, slope[i] = (behind, -1.0) if side < 0 else (ahead, 1.0)
+            slope[n + i] = where_less(0.0, qd[i], rate, where_less(qd[i], 0.0, -rate, 0.0))
+            constraints.append((speed * (fast * speed + steady) - room, slope))
+        return constraints
 
     def _way(self, speed: Array) -> Array:
         """Return w(v) (N, n) rad for speeds (N, n), or (n,) for (n,)."""
         a, j = self.limits.acceleration_used, self.limits.jerk_used
         return np.asarray((speed**2 / a + speed * a / j) / (2.0 * ROOM))
-
-    def _rate(self, speed: Array) -> Array:
-        """Return dw/dv."""
-        a, j = self.limits.acceleration_used, self.limits.jerk_used
-        return np.asarray((2.0 * speed / a + a / j) / (2.0 * ROOM))

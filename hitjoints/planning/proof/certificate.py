@@ -21,8 +21,8 @@ from hitjoints.kernels.formulas.mass_matrix import variation
 from hitjoints.kernels.outputs import record
 from hitjoints.kernels.tape.backends import over_boxes
 from hitjoints.kernels.tape.trace import Scalar, Tracer
-from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN
-from hitjoints.planning.objectives.sight import LEAST_MOBILITY
+from hitjoints.planning.objectives.problem_program import AWAY_MARGIN
+from hitjoints.planning.objectives.traced_hit import LEAST_MOBILITY
 from hitjoints.planning.proof.branching import branch
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from hitjoints.kernels import Interval, bisect
 from hitjoints.kernels.formulas.links import TracedArm, dot, minus
 from hitjoints.kernels.tape.backends import over_boxes
 from hitjoints.kernels.tape.trace import Scalar, Tracer, Vector
-from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN
+from hitjoints.planning.objectives.problem_program import AWAY_MARGIN
 from hitjoints.planning.proof.branching import branch
 
 if TYPE_CHECKING:

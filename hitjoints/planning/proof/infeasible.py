@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hitjoints.built import chain_of
 from hitjoints.dynamics.kinematics import feasible_directions, position
-from hitjoints.kernels import Chain
 from hitjoints.planning.candidates import Refusal, away_gap
-from hitjoints.planning.objectives.hit_problem import AWAY_MARGIN
+from hitjoints.planning.objectives.problem_program import AWAY_MARGIN
 from hitjoints.planning.proof.exclusion import exclude
 from hitjoints.planning.words import told_apart, vector
 
 if TYPE_CHECKING:
     from hitjoints.kernels import Placement
-    from hitjoints.planning.search.groups import Found
+    from hitjoints.planning.search.found import Found
     from hitjoints.planning.task import Task
     from hitjoints.types import Array
 
@@ -55,7 +55,7 @@ def unreachable(task: Task, placed: Placement, prove: bool) -> Refusal:
 
 def movers(task: Task) -> int:
     """Return how many joints, from the base, move the contact."""
-    chain = Chain.from_model(task.robot.model)
+    chain = chain_of(task.robot)
     return chain.attach(task.contact.joint, task.contact.offset)[0]
 
 
@@ -78,7 +78,7 @@ def reach_ball(task: Task) -> tuple[Array, float]:
     The point is the first origin the arm turns about; the distance is the sum of the link lengths
     from there, with what prismatic joints add.
     """
-    chain = Chain.from_model(task.robot.model)
+    chain = chain_of(task.robot)
     last, point = chain.attach(task.contact.joint, task.contact.offset)
     reach = float(np.linalg.norm(point)) if last else 0.0
     for i in range(1, last):
@@ -164,7 +164,7 @@ def short_of_flux(task: Task, flux: float, found: Found, deliverable: bool) -> R
 
 
 def _share_origin(task: Task) -> bool:
-    chain = Chain.from_model(task.robot.model)
+    chain = chain_of(task.robot)
     ends = [
         chain.attach(c.joint, c.offset)
         for c in (type(task.contact)(task.contact.joint), task.beyond)

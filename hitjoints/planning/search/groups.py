@@ -10,12 +10,14 @@ the other may not, and then they disagree.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hitjoints.planning.search.climb import climb, feasible
+from hitjoints.planning.search.climb_starts import starts_of
+from hitjoints.planning.search.found import SAME, Found
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -34,47 +36,8 @@ ROUNDS = 4  # of hops, at most; until all groups agree twice in turn
 POOLED = 2  # rounds of hops after that, from the optima of all groups
 AGREE = 5e-5  # relative
 PROBES = 64  # samples that tell which joints matter
-SAME = 1e-6  # relative
 APART = (1.0, 0.5)  # rad, between starts: groups look wide and close in turn
-PENALTY = 3.0  # of an excess, against the logarithm of the objective
 GLANCE, COARSE, FINE = 3, 4, 40  # steps of a climb
-
-
-@dataclass(frozen=True)
-class Found:
-    """What a search found.
-
-    Attributes:
-        x: (S, m) local optima, best first; empty if nothing satisfies the constraints.
-        value: (S,) their objective.
-        samples: configurations drawn.
-        admissible: how many of them met every constraint.
-        screened: (A, n) the admissible samples, best first.
-        local_optima: how many optima of different value were found.
-        restarts: best value that each group found by itself, of those that found one.
-        by_group: what each group found by itself, (S, n) configurations, best first: where the
-            groups of a further search may start from without losing their independence.
-    """
-
-    x: Array
-    value: Array
-    samples: int
-    admissible: int
-    screened: Array
-    local_optima: int
-    restarts: Array
-    by_group: tuple[Array, ...] = ()
-
-    @classmethod
-    def nothing(cls) -> Found:
-        """Return the result of a search that was not worth starting."""
-        none = np.zeros((0, 0))
-        return cls(none, np.zeros(0), 0, 0, none, 0, np.zeros(0))
-
-    @property
-    def spread(self) -> float:
-        """Relative difference between the best values of the groups (values are logarithms)."""
-        return float(1.0 - np.exp(self.restarts.min() - self.restarts.max()))
 
 
 def search(problem: HitProblem, sampler: Sampler, seed: int, hints: Sequence[Array] = ()) -> Found:
@@ -94,7 +57,7 @@ def search(problem: HitProblem, sampler: Sampler, seed: int, hints: Sequence[Arr
     count = STRAIGHT_STARTS if problem.moving else STARTS
     weight = _weights(problem, q[:PROBES])
     starts = [
-        _starts(problem, q[pool], value[pool], excess[pool], count, weight / _apart(group))
+        starts_of(problem, q[pool], value[pool], excess[pool], count, weight / _apart(group))
         for group, pool in enumerate(pools)
     ]
     for group, (pool, rng) in enumerate(zip(pools, rngs, strict=True)):
@@ -120,20 +83,11 @@ def search(problem: HitProblem, sampler: Sampler, seed: int, hints: Sequence[Arr
             now = _hop(problem, sampler, now, rngs[:1], KEPT * GROUPS, weight)
     kept = _best(now.value, np.arange(len(now.x)), KEPT * GROUPS)
     x, last = climb(problem, problem.start(now.x[kept, : problem.n]), FINE)
-    ok = np.flatnonzero(feasible(problem, last))
-    order = ok[np.argsort(-last.value[ok], kind="stable")]
-    x, reached = x[order], last.value[order]
-    admissible = np.flatnonzero(excess == 0)
-    ranked = admissible[np.argsort(-value[admissible], kind="stable")]
-    return Found(
-        x,
-        reached,
-        len(q),
-        len(admissible),
-        q[ranked],
-        int((np.diff(reached) < -SAME).sum()) + 1 if reached.size else 0,
-        np.minimum(alone.best[np.isfinite(alone.best)], reached.max(initial=-np.inf)),
-        tuple(alone.x[_best(alone.value, rows, KEPT), : problem.n] for rows in alone.rows),
+    found = Found.of(problem, x, last, q, value, excess)
+    return replace(
+        found,
+        restarts=np.minimum(alone.best[np.isfinite(alone.best)], found.value.max(initial=-np.inf)),
+        by_group=tuple(alone.x[_best(alone.value, rows, KEPT), : problem.n] for rows in alone.rows),
     )
 
 
@@ -212,7 +166,7 @@ def _hop(
     for group, (rows, variants) in enumerate(zip(best, near, strict=True)):
         part = slice(end, end + len(variants))
         scale = weight / _apart(group)
-        chosen = _starts(problem, placed[part], value[part], excess[part], fresh, scale)
+        chosen = starts_of(problem, placed[part], value[part], excess[part], fresh, scale)
         starts.append(np.concatenate((q[rows], chosen)))
         end = part.stop
     more = _climb(problem, starts)
@@ -242,32 +196,3 @@ def _weights(problem: HitProblem, q: Array) -> Array:
 def _apart(group: int) -> float:
     """Return how far apart (rad) the starts of a group are."""
     return APART[group % len(APART)]
-
-
-def _starts(
-    problem: HitProblem, q: Array, value: Array, excess: Array, count: int, scale: Array
-) -> Array:
-    """Choose what to climb from: the best admissible rows, or else those nearest to it.
-
-    A demanded flux leaves small islands that samples miss; climbs that have to be pulled onto them
-    from good values find more.
-    """
-    chosen = _diverse(q * scale, value, excess, count)
-    if problem.flux is not None:
-        usable = np.isfinite(excess)
-        short = np.where(usable, PENALTY * excess, np.inf)
-        bold = _diverse(q * scale, value - short, np.where(usable, 0.0, np.inf), count)
-        chosen = np.union1d(chosen, bold)
-    return np.asarray(q[chosen])
-
-
-def _diverse(q: Array, value: Array, excess: Array, count: int) -> NDArray[np.intp]:
-    """Choose rows (<= count) of high value, 1 apart at least, the admissible ones first."""
-    usable = np.isfinite(excess) & np.isfinite(value)
-    order = np.lexsort((-value, excess))
-    order = order[usable[order]]
-    chosen: list[int] = []
-    while order.size and len(chosen) < count:
-        chosen.append(int(order[0]))
-        order = order[((q[order] - q[order[0]]) ** 2).sum(axis=1) > 1.0]
-    return np.array(chosen, dtype=int)

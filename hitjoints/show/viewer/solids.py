@@ -1,4 +1,4 @@
-"""Collision shapes as triangles, to draw an arm as it is checked for clearance."""
+"""What an arm looks like, as triangles: its visual shapes, or those of its clearance."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.dynamics.kinematics import position
+from hitjoints.model.collision_shapes import build_shapes, read_shapes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,13 +39,38 @@ class Solid(NamedTuple):
 
 
 def solids(robot: Robot) -> list[Solid]:
-    """Return the collision shapes of an arm, or a bar per link if it has none that can be read."""
+    """Return the visual shapes of an arm, its collision shapes, or bars: the first that there are.
+
+    Shapes of which one cannot be read are left for the next kind.
+    """
+    visual = _visual(robot)
+    if visual is not None:
+        return _solids(visual)
     if robot.shape_faults or not robot.collision_model.ngeoms:
         return _bars(robot)
-    objects = robot.collision_model.geometryObjects
+    return _solids(robot.collision_model)
+
+
+def why_bars(robot: Robot) -> tuple[str, str] | None:
+    """Return which link's shape is why an arm is drawn with bars, and its fault, if that is so."""
+    faults = robot.shape_faults
+    return faults[0] if faults and _visual(robot) is None else None
+
+
+def _visual(robot: Robot) -> Any:
+    """Return Pinocchio's geometry of the visual shapes; None if there are none to be read."""
+    shapes, faults = read_shapes(robot.xml, "visual")
+    if faults or not shapes:
+        return None
+    folders = robot.package_directory, robot.package_dirs
+    geometry, faults = build_shapes(robot.model, shapes, *folders)
+    return None if faults else geometry
+
+
+def _solids(geometry: Any) -> list[Solid]:
     return [
         Solid(str(one.name), int(one.parentJoint), one.placement, *_triangles(one))
-        for one in objects
+        for one in geometry.geometryObjects
     ]
 
 
@@ -63,8 +89,15 @@ def _triangles(shape: Any) -> tuple[Array, NDArray[np.int64]]:
         mesh.apply_translation([0, 0, -mesh.bounds.mean(axis=0)[2]])
     else:
         faces = [[int(it.tri_indices(i)[k]) for k in range(3)] for i in range(it.num_tris)]
-        return np.array(it.vertices()), np.array(faces)
+        return _welded(np.array(it.vertices(), dtype=np.float32), np.array(faces))
     return np.asarray(mesh.vertices), np.asarray(mesh.faces)
+
+
+def _welded(vertices: Array, faces: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:
+    """Return a mesh with each of its points once: an STL holds them once per triangle."""
+    rows = np.ascontiguousarray(vertices).view(np.dtype((np.void, 3 * vertices.itemsize))).ravel()
+    _, first, back = np.unique(rows, return_index=True, return_inverse=True)
+    return vertices[first], back.ravel()[faces]
 
 
 def _bars(robot: Robot) -> list[Solid]:
