@@ -6,10 +6,9 @@ import shutil
 import sys
 import textwrap
 from dataclasses import dataclass
+from typing import Protocol
 
 from hitjoints.errors import shown
-
-from .progress import pause
 
 LONGEST = 2000  # letters of a line
 NARROWEST = 40  # columns, of a terminal that words are broken for
@@ -32,6 +31,22 @@ class Loudness:
 
 loudness = Loudness()
 """Of the command that runs."""
+
+
+class OnScreen(Protocol):
+    """What stands on the terminal and moves, such as a bar."""
+
+    def pause(self) -> None:
+        """Let it vanish, until there is news of it."""
+
+
+on_screen: list[OnScreen] = []
+
+
+def pause() -> None:
+    """Let what moves on the terminal vanish: something else is about to be printed."""
+    for one in on_screen:
+        one.pause()
 
 
 def complain(kind: str, message: str) -> None:

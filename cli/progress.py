@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from .complaints import complain, loudness, on_screen
+
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
@@ -16,8 +18,6 @@ PATIENCE = 0.8
 """s, until something is shown."""
 SILENCE = 10.0
 """s, between two lines that go to a file."""
-
-_shown: list[Display] = []
 
 
 class Display:
@@ -46,8 +46,6 @@ class Display:
         if self._terminal and now - self._begun > PATIENCE:
             self._draw()
         elif not self._terminal and now - self._said > SILENCE and done != total:
-            from .complaints import complain
-
             self._said = now
             complain("progress", f"{done} of {total} {what}" if total else what)
 
@@ -62,7 +60,7 @@ class Display:
     def _draw(self) -> None:
         """Show every count, or that something is done where nothing is counted."""
         with self._lock:
-            if self not in _shown:
+            if self not in on_screen:
                 return  # it is over
             if self._bars is None:
                 self._bars = _bars()
@@ -81,24 +79,16 @@ def progress() -> Iterator[Display | None]:
     """Show the progress of what runs inside, as the library counts it."""
     from hitjoints.counting import counts_shown_by
 
-    from .complaints import loudness
-
     if not loudness.tells("progress"):
         yield None
         return
     display = Display()
-    _shown.append(display)
+    on_screen.append(display)
     try:
         with counts_shown_by(display):
             yield display
     finally:
-        _shown.remove(display)
-        display.pause()
-
-
-def pause() -> None:
-    """Let what is shown vanish: something else is about to be printed."""
-    for display in _shown:
+        on_screen.remove(display)
         display.pause()
 
 

@@ -8,8 +8,7 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from .complaints import columns, printable
-from .progress import pause
+from .complaints import columns, pause, printable
 
 GAP = 3
 """Columns between two of a table."""
