@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hitjoints.counting import counted
 from hitjoints.datasets.describe import origin
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.first_argument import by_first_argument
@@ -31,7 +32,7 @@ from hitjoints.planning.room.surroundings import Surroundings
 from hitjoints.planning.start import Start, fastest_start, plan_start
 from hitjoints.planning.task import Task
 from hitjoints.planning.torque_cost import torque_cost
-from hitjoints.vectors import points, positive_mass, unit
+from hitjoints.vectors import LARGEST_SEED, points, positive_mass, unit, whole
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -114,8 +115,7 @@ def plan(  # noqa: PLR0913
     if flux is not None:
         check_flux(flux)
     mass = positive_mass(mass)
-    if seed < 0:
-        raise InputError("seed", seed, "a seed is not negative")
+    seed = whole(seed, "seed", 0, LARGEST_SEED)
     contacts = robot.contacts(joints)
     target, h = points(position, "position"), unit(direction)
     for name, vector in (("position", target), ("direction", h)):
@@ -128,7 +128,7 @@ def plan(  # noqa: PLR0913
     if wanted.stopping or request.deliverable:
         drive_limits(robot)  # are they known?
     found = []
-    for task in tasks:
+    for task in counted(tasks, "joints"):
         hinted = None if hints is None else hints.get(task.contact.joint)
         hinted = None if hinted is None else np.atleast_2d(robot.configuration(hinted, "hints"))
         demands = _demands(task, accept, surroundings)

@@ -207,6 +207,10 @@ class Feasibility:
 def load_feasibility(path: Path, robot: Robot) -> Feasibility:
     """Read what `Feasibility.save` wrote.
 
+    Args:
+        path: of the file.
+        robot: the arm that it was learnt with.
+
     Raises:
         InputError: no such file, not one of these, or learnt with another robot.
     """
