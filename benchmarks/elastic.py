@@ -128,7 +128,8 @@ def compare(
             )
         ]
         grazing = again is not None and again < GRAZING * contact_time
-        yield Compared(*offs, engine.contact_time / contact_time, grazing)
+        a, b, c, d = offs
+        yield Compared(a, b, c, d, engine.contact_time / contact_time, grazing)
 
 
 def energy_grows(count: int, seed: int = 0) -> int:
