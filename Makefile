@@ -7,7 +7,7 @@ LOWEST ?= .venv-lowest
 # Tests that use every dependency, in about two minutes.
 QUICK := $(addprefix tests/,cli datasets maps dynamics/test_mobility.py programs/test_programs_proxqp.py \
 	robots/test_robot.py kernels/test_kernel.py show/test_viewer.py evidence/test_physics_strike.py \
-	planning/test_learning.py)
+	planning/test_learning.py docs/test_notebook.py)
 
 .PHONY: demo test lowest lint bench docs figures clean
 

@@ -28,6 +28,8 @@ SPINNING = 0.1
 """Share of what the greatest lever would give: boxes that turn less are left out of the spin's."""
 SHORTEST = 0.02
 """m, that a box goes at least."""
+MOST = 20
+"""Boxes tried for each that is to fall."""
 TRIES = 10
 """Boxes for each hit, until one slides."""
 MARGIN = 0.9
@@ -126,6 +128,37 @@ def random_boxes(
             left_out[why] += 1
 
 
+def falls(hits: list[Planned], support: Support, count: int) -> Counter[str]:
+    """Hit tall boxes high or low until some have fallen, and count which were told to.
+
+    Args:
+        hits: tried in turn.
+        support: what carries the boxes.
+        count: how many are to fall.
+
+    Returns:
+        Of "fell, foretold", "fell, missed", "stood, foretold to fall", "stood": how many.
+    """
+    rng, found = np.random.default_rng(4), Counter[str]()
+    for i in range(MOST * count):
+        if found["fell, foretold"] + found["fell, missed"] == count:
+            break
+        robot, hit, start = hits[i % len(hits)]
+        size = rng.uniform((0.05, 0.05, 0.12), (0.12, 0.15, 0.25))
+        height = float(rng.choice((-1, 1)) * rng.uniform(0.1, 0.45) * size[2])
+        friction = float(rng.uniform(0.1, min(0.6, 0.74 * size[0] / size[2])))
+        result = hj.simulate(
+            robot, hit, size=size, height=height, friction=friction, support=support,
+            restitution=float(rng.uniform(0.1, 0.9)), yaw=float(rng.uniform(-0.2, 0.2)),
+            q0=start.q0, q_hit=start.q_hit,
+        )  # fmt: skip
+        assert result.rest is not None
+        told = "tip" in result.unpredicted
+        fate = ("stood", "stood, foretold to fall", "fell, missed", "fell, foretold")
+        found[fate[2 * result.rest.tipped + told]] += 1
+    return found
+
+
 def judge(results: list[Simulation], what: str, *, central: bool = False) -> list[Figure]:
     """Return what simulated boxes come to, beside what is asked."""
     offs = np.array([off(result) for result in results])
@@ -166,6 +199,7 @@ def main(count: int) -> None:
             for figure in judge(results, what, central=central):
                 print(f"{figure.what}: {figure.value:.3g} {figure.unit} {figure.target}")
             print(f"not simply sliding, and left out: {dict(left_out)}")
+        print(f"tall boxes on {support}: {dict(falls(hits, support, count // 2))}", flush=True)
 
 
 if __name__ == "__main__":

@@ -45,9 +45,17 @@ def measure() -> list[Row | Figure | Remark]:
     for dt in (0.005, 0.002, 0.001) * 8:
         times += walk(Controller(robot, hit, found.q_hit, dt=dt), found.q0)[1]
     micro = 1e6 * np.array(times)
+    from_rest = prepare(robot, hit, torque_limits=True)
+    limited: list[float] = []
+    for _ in range(5):
+        limited += walk(Controller(robot, hit, from_rest.q_hit, torque_limits=True), from_rest.q0)[
+            1
+        ]
+    with_torques = 1e6 * float(np.median(limited))
     return [
         Figure("control step, median", float(np.median(micro)), "us", "<= 15"),
         Figure("control step, 99th percentile", float(np.percentile(micro, 99)), "us", "<= 60"),
+        Figure("control step with torque limits, median", with_torques, "us", "<= 100"),
         *against_authors(Controller(robot, hit, found.q_hit), found.q0),
     ]
 

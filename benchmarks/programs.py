@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import hitjoints as hj
+from benchmarks.compiled_eq12 import CompiledEq12, flat
 from benchmarks.contest import Check, Peer, contest, near
 from benchmarks.harness import Remark, Row, Work
 from benchmarks.peers import osqp, programs
@@ -23,6 +24,12 @@ from hitjoints.programs.warm import WarmProgram
 if TYPE_CHECKING:
     from hitjoints.types import Array
 
+TARGETS = {
+    ("straight hitting speed, one call", "DAQP"): ">= 0.5",
+    ("Eq. 12 (quadratic), from scratch", "ProxQP by hand"): ">= 0.4",
+    ("Eq. 12 along a hit", "DAQP, from scratch"): ">= 2",
+}
+"""What the gain over a solver should be at least."""
 COUNT = 100
 JOINT, MASS, FLUX, DT = 6, 2.0, 0.3, 0.002  # kg, m/s, s
 H, AT = np.array([0.0, 1.0, 0.0]), np.array([0.5, 0.3, 0.5])
@@ -79,8 +86,8 @@ def one_call(robot: hj.Robot, q: Array, speeds: Sequence[Program]) -> list[Row |
             return near(best, SIGNIFICANT)(answer)
         return optimal(speeds)(answer)
 
-    named = ("hj.hitting_speed, compiled", ours, len(q))
-    return contest("straight hitting speed, one call", named, _peers(speeds, LINEAR), check)
+    named, what = ("hj.hitting_speed, compiled", ours, len(q)), "straight hitting speed, one call"
+    return contest(what, named, _peers(what, speeds, LINEAR), check)
 
 
 def batch(robot: hj.Robot, q: Array, speeds: Sequence[Program]) -> list[Row | Remark]:
@@ -88,7 +95,8 @@ def batch(robot: hj.Robot, q: Array, speeds: Sequence[Program]) -> list[Row | Re
     kernel = build_kernel(robot.model, [(JOINT, (0.0, 0.0, 0.0))], ("straight_speed",))
     many = np.repeat(q, 500, axis=0)
     ours = ("llvm kernel, one thread", partial(kernel, many, H, threads=1), len(many))
-    peers = _peers(speeds, {name: LINEAR[name] for name in ("HiGHS through SciPy", "DAQP")})
+    what, names = "straight hitting speed, batch", ("HiGHS through SciPy", "DAQP")
+    peers = _peers(what, speeds, {name: LINEAR[name] for name in names})
     best = np.array([-program.objective(solve(program).x) for program in speeds])
 
     def check(answer: Any) -> str:
@@ -96,7 +104,7 @@ def batch(robot: hj.Robot, q: Array, speeds: Sequence[Program]) -> list[Row | Re
             return near(np.repeat(best, 500), SIGNIFICANT)(answer["straight_speed"][0])
         return optimal(speeds)(answer)
 
-    return contest("straight hitting speed, batch", ours, peers, check)
+    return contest(what, ours, peers, check)
 
 
 def along_a_hit(robot: hj.Robot) -> list[Row | Remark]:
@@ -110,9 +118,19 @@ def along_a_hit(robot: hj.Robot) -> list[Row | Remark]:
     def ours() -> list[Array | None]:
         return [warm.solve(*arguments(program)) for program in series]
 
-    named = ("warm, residuals checked", ours, len(series))
-    peers = _peers(series, REPEATED)
-    return contest("Eq. 12 along a hit", named, peers, optimal(series), repeats=15)
+    compiled, given = CompiledEq12(robot.n), [_given(robot, row) for row in q]
+
+    def fast() -> list[Array]:
+        return [compiled(numbers) for numbers in given]
+
+    rows: list[Row | Remark] = []
+    for what, name, work in (
+        ("Eq. 12 along a hit", "compiled, as in a control step", fast),
+        ("Eq. 12 along a hit, any program", "warm, residuals checked", ours),
+    ):
+        peers = _peers(what, series, REPEATED)
+        rows += contest(what, (name, work, len(series)), peers, optimal(series), repeats=15)
+    return rows
 
 
 def straight_speed(robot: hj.Robot, q: Array) -> Program:
@@ -129,6 +147,15 @@ def eq12(robot: hj.Robot, q: Array) -> Program:
     upper = np.minimum(robot.velocity_upper, (robot.upper - q) / DT)
     J = hj.jacobian(robot, q, JOINT)
     return build_joint_velocity(J, f, H, inertia, MASS, FLUX, lower, upper)
+
+
+def _given(robot: hj.Robot, q: Array) -> Array:
+    """Return the same program for the compiled formulas."""
+    program = eq12(robot, q)
+    inertia = hj.directional_inertia(robot, q, JOINT, H)
+    f = float(hj.required_speed(inertia, MASS, FLUX)) * H
+    J = hj.jacobian(robot, q, JOINT)
+    return flat(J, f, H, float(program.b[0]), program.lower, program.upper)
 
 
 def optimal(many: Sequence[Program]) -> Check:
@@ -166,10 +193,10 @@ def _meet(
         return [solve(program).x for program in many]
 
     named = ("ProxQP, certified", ours, len(many))
-    return contest(what, named, _peers(many, solvers), optimal(many))
+    return contest(what, named, _peers(what, many, solvers), optimal(many))
 
 
-def _peers(many: Sequence[Program], solvers: dict[str, Callable[[], Any]]) -> list[Peer]:
+def _peers(what: str, many: Sequence[Program], solvers: dict[str, Callable[[], Any]]) -> list[Peer]:
     given = [arguments(program) for program in many]
 
     def theirs(solver: Callable[[], Any]) -> Callable[[], Work]:
@@ -179,4 +206,7 @@ def _peers(many: Sequence[Program], solvers: dict[str, Callable[[], Any]]) -> li
 
         return make
 
-    return [Peer(name, theirs(solver), len(many)) for name, solver in solvers.items()]
+    return [
+        Peer(name, theirs(solver), len(many), TARGETS.get((what, name), ""))
+        for name, solver in solvers.items()
+    ]

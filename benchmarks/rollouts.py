@@ -6,14 +6,16 @@ limits that random rollouts of three arms break, half of them from starts at the
 
 from __future__ import annotations
 
+import subprocess
 import sys
+import tempfile
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import hitjoints as hj
-from benchmarks.harness import Figure, Row, compare
+from benchmarks.harness import Figure, Row, compare, seconds
 from hitjoints.planning.start import fastest_start
 from tests.oracles import random_rollouts as oracle
 
@@ -44,7 +46,23 @@ def measure() -> list[Row | Figure]:
             Figure(f"{what}: hits", float(together.hit.mean()), ""),
             Figure(f"{what}: beyond a limit", float((~together.within_limits).sum()), "", "<= 0"),
         ]
-    return rows
+    whole = Figure(
+        "map of delivered flux, 20 x 20 x 3 joints, the command", seconds(a_map), "s", "<= 30"
+    )
+    return [*rows, whole]
+
+
+def a_map() -> None:
+    """Run `hitjoints sweep motion` in a folder of its own, imports and compiling included."""
+    with tempfile.TemporaryDirectory() as folder:
+        words = [sys.executable, "-m", "hitjoints.cli", "sweep", "motion", "--out", "map.zarr"]
+        done = subprocess.run(
+            [*words, "--x=-0.8:0.8:20", "--y=-0.8:0.8:20"],
+            cwd=folder,
+            check=False,
+            capture_output=True,
+        )
+        assert done.returncode == 0, done.stderr
 
 
 def against_alone(

@@ -90,7 +90,10 @@ def placements(robot: hj.Robot, qs: Any) -> list[Row | Remark]:
     def ours() -> list[Any]:
         return [hj.place_joint(robot, JOINT, target).q[0] for target in targets]
 
-    peers = [Peer(name, placer(arm, robot, targets), TARGETS) for name, arm in PLACERS.items()]
+    peers = [
+        Peer(name, placer(arm, robot, targets), TARGETS, ">= 1" * (arm is ToolboxArm))
+        for name, arm in PLACERS.items()
+    ]
     named = ("hj.place_joint", ours, TARGETS)
     check = placed(robot, JOINT, targets)
     return contest("inverse kinematics, one target", named, peers, check, repeats=5)

@@ -1,8 +1,8 @@
 """Swings for random hits of five arms: how many can be sent, what they deliver, what they cost.
 
-`python -m benchmarks.swings 200 --keep FILE` makes 200 hits for each arm, judged by
-`swing_checker`, and keeps a line for each hit: begun again, it goes on where it was. With names of
-arms it makes only theirs.
+`python -m benchmarks.swings 200 --keep FILE` makes 200 hits for each arm, as hard as can be and
+with a share of that; `swing_checker` judges the one and the other by turns. It keeps a line for
+each hit: begun again, it goes on where it was. With names of arms it makes only theirs.
 """
 
 from __future__ import annotations
@@ -123,14 +123,16 @@ class Clock:
         return made, {"time": whole, "search_time": whole - self._last}
 
 
-def asked(clock: Clock, robot: Robot, hit: Hit, acceleration: float | None) -> dict[str, Any]:
-    """Return what became of a hit, judged."""
+def asked(
+    clock: Clock, robot: Robot, hit: Hit, acceleration: float | None, *, judged: bool
+) -> dict[str, Any]:
+    """Return what became of a hit."""
     made, times = clock(lambda: swing(robot, hit, acceleration=acceleration, margin=MARGIN))
     if isinstance(made, str):
         word = next((word for word in NAMED if made.startswith(word)), "")
         return {"named" if word else "failed": word or made, **times}
-    found = judge(made, SIZE, MARGIN)
-    told = {"sendable": made.sendable, "duration": made.duration, "maximum": made.maximum_flux}
+    found = judge(made, SIZE, MARGIN) if judged else {}
+    told = {"sendable": made.sendable, "duration": made.duration, "flux": made.flux}
     return {**told, **times, **found}
 
 
@@ -157,12 +159,12 @@ def results(name: str, robot: Robot, count: int, done: set[int]) -> Iterator[dic
         if joint not in warm:
             clock(lambda hit=hit: swing(robot, hit, acceleration=acceleration))  # type: ignore[misc]
             warm.add(joint)
-        fastest = asked(clock, robot, hit, acceleration)
+        fastest = asked(clock, robot, hit, acceleration, judged=index % 2 == 0)
         line = {"arm": name, "index": index, "fastest": fastest}
         if "flux" in fastest:
             wanted = hit.with_flux(float(shares[index]) * fastest["flux"])
             line["static"] = static_maximum(robot, hit)
-            line["wanted"] = asked(clock, robot, wanted, acceleration)
+            line["wanted"] = asked(clock, robot, wanted, acceleration, judged=index % 2 == 1)
             line["rollout"] = rolled(robot, wanted)
             if index % LIMITED == 0:
                 kept = True if acceleration is None else acceleration
@@ -176,13 +178,14 @@ def report(name: str, lines: list[dict[str, Any]]) -> str:
     named = Counter(ask["named"] for ask in asks if "named" in ask)
     failed = Counter(ask["failed"] for ask in asks if "failed" in ask)
     struck = [ask for ask in asks if "flux" in ask]
+    judged = [ask for ask in struck if "wrong" in ask]
     sendable, count = sum(ask["sendable"] for ask in struck), len(asks) - named.total()
-    wrong = Counter(word for ask in struck for word in ask["wrong"])
+    wrong = Counter(word for ask in judged for word in ask["wrong"])
     said = [
         f"{name}: {len(lines)} hits, {len(asks)} asked; {sendable} of {count} sendable "
         f"({100 * sendable / max(count, 1):.1f} %), {named.total()} refused by name {dict(named)}",
-        f"  violations: {dict(wrong)}; processor time without the last look "
-        f"{_spread(asks, 'search_time', 1e3)} ms, with it {_spread(asks, 'time', 1e3)} ms "
+        f"  violations: {dict(wrong)} in {len(judged)} judged; processor time without the last "
+        f"look {_spread(asks, 'search_time', 1e3)} ms, with it {_spread(asks, 'time', 1e3)} ms "
         f"(median, 95 %); motions of {_spread(struck, 'duration', 1.0)} s",
     ]
     shares = [x["fastest"]["flux"] / x["static"] for x in lines if x.get("static", 0) > 0]
@@ -195,7 +198,7 @@ def report(name: str, lines: list[dict[str, Any]]) -> str:
         "angle_before": "deg",
         "sideways": "mm",
     }.items():
-        values = (1e3 if unit == "mm" else 1.0) * np.array([ask[key] for ask in struck] or [np.nan])
+        values = (1e3 if unit == "mm" else 1.0) * np.array([ask[key] for ask in judged] or [np.nan])
         said.append(f"  {key}: median {np.median(values):.3g}, most {values.max():.3g} {unit}")
     for key in ("rollout", "limited"):
         runs = [line[key] for line in lines if key in line]

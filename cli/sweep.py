@@ -9,10 +9,12 @@ from .option_groups import grouped
 from .sweep_contact_time import sweep_contact_time
 from .sweep_joint import sweep_joint
 from .sweep_mass import sweep_mass
+from .sweep_motion import sweep_motion
 from .sweep_workspace import sweep_workspace
 
 app = typer.Typer(help="Map inertia, speed and flux.", no_args_is_help=True)
 app.command("joint")(grouped(sweep_joint, told))
 app.command("contact-time")(grouped(sweep_contact_time, told))
 app.command("mass")(grouped(sweep_mass, told))
+app.command("motion")(grouped(sweep_motion, told))
 app.command("workspace")(grouped(sweep_workspace, told))

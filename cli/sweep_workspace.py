@@ -23,7 +23,7 @@ from .robot_options import RobotOptions
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from hitjoints.maps.workspace import Progress
+    from hitjoints.maps.run_sweep import Progress
     from hitjoints.model.robot import Robot
 
 WISHES = ("goal", "flux", "object_speed", "restitution", "friction")
@@ -107,7 +107,7 @@ def sweep_workspace(
     asked = hit.read()
     output.check(robot.robot, hit.file)
     arm = robot.load()
-    with _progress() as progress:
+    with shown_progress() as progress:
         swept = hj.sweep_workspace(
             arm,
             spaced(grid.x, "x"),
@@ -125,7 +125,7 @@ def sweep_workspace(
             command=" ".join(["hitjoints", *sys.argv[1:]]),
         )
     rows = _summary(swept)
-    _write(arm, swept, output)
+    write_map(arm, swept, output)
     if output.as_json:
         out = None if output.out is None else str(output.out)
         print_json({**swept.attrs, "out": out, "summary": rows})
@@ -137,7 +137,8 @@ def sweep_workspace(
         raise typer.Exit(3)
 
 
-def _write(arm: Robot, swept: Dataset, output: MapOutputs) -> None:
+def write_map(arm: Robot, swept: Dataset, output: MapOutputs) -> None:
+    """Write the copies and the picture of a map that are asked for."""
     from hitjoints.datasets.files import write_dataset
     from hitjoints.show import figures
 
@@ -148,7 +149,7 @@ def _write(arm: Robot, swept: Dataset, output: MapOutputs) -> None:
 
 
 @contextmanager
-def _progress() -> Iterator[Progress]:
+def shown_progress() -> Iterator[Progress]:
     """Show on stderr how far a sweep is, its rate and the time left."""
     from rich.console import Console
     from rich.progress import (

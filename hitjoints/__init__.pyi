@@ -72,7 +72,8 @@ from .loading.load import (
 from .maps.contact_time_sweep import sweep_contact_time as sweep_contact_time
 from .maps.joint_sweep import sweep_joint as sweep_joint
 from .maps.mass_sweep import sweep_mass as sweep_mass
-from .maps.workspace import open_map as open_map
+from .maps.motion_sweep import sweep_motion as sweep_motion
+from .maps.run_sweep import open_map as open_map
 from .maps.workspace import sweep_workspace as sweep_workspace
 from .model.robot import Contact as Contact
 from .model.robot import Robot as Robot

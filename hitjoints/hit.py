@@ -19,6 +19,7 @@ from hitjoints.hit_setting import USUAL, HitSetting, RobotChoice, offsets_of
 from hitjoints.impact.flux import flux as flux_at
 from hitjoints.impact.flux import speed_for
 from hitjoints.model.robot import Contact
+from hitjoints.told import Told
 from hitjoints.vectors import positive_mass, unit
 
 if TYPE_CHECKING:
@@ -48,8 +49,8 @@ LEVEL = 1e-6
 """m, and share of the way, up to which object and goal count as equally high."""
 
 
-@dataclass(frozen=True, eq=False)
-class Hit:
+@dataclass(frozen=True, eq=False, repr=False)
+class Hit(Told):
     """A wanted hit, the one description that everything takes and every result keeps.
 
     Args:
@@ -162,6 +163,18 @@ class Hit:
         at = ", ".join(f"{v:g}" for v in self.position)
         along = ", ".join(f"{v:.4g}" for v in self.direction)
         return f"{self.mass:g} kg at ({at}) m along ({along})"
+
+    def __repr__(self) -> str:
+        """Say in a line what is wanted."""
+        joint = "any joint" if self.contact is None else f"joint {self.chosen_contact.joint}"
+        goal = "" if self.goal is None else f" to ({', '.join(f'{v:g}' for v in self.goal)}) m"
+        flux = "" if self.flux is None else f", flux {self.flux:.4g} m/s"
+        return f"Hit({joint}, {self.words}{goal}{flux})"
+
+    def lines(self) -> list[tuple[str, object]]:
+        """Return what was given, as in a file."""
+        tables = {name: table for name, table in self.as_dict().items() if name != "schema"}
+        return [(f"{name} {key}", v) for name, table in tables.items() for key, v in table.items()]
 
     @property
     def chosen_contact(self) -> Contact:

@@ -64,11 +64,19 @@ def directional_inertia_gradient(
 ) -> NDArray[np.float64]:
     """Return the exact gradient of the directional inertia by the joint positions.
 
-    Arguments and errors as `directional_inertia`.
+    Args:
+        robot: the arm.
+        q: (n,) or (N, n) rad.
+        contact: joint number or Contact.
+        direction: (3,), or (N, 3) for rows; of any length but zero.
 
     Returns:
         kg/rad: (n,) for one configuration, (N, n) for rows. A row whose direction is infeasible
         holds nan.
+
+    Raises:
+        InputError: no such joint, wrong shapes, or a number that is not finite.
+        InfeasibleError: one configuration, in which the contact cannot move along the direction.
     """
     quick = _quick(robot, contact, "gradient", q, direction)
     if quick is not None:

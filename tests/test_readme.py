@@ -1,5 +1,6 @@
 """The README begins with what sets everything up, and its tables tell the truth."""
 
+import inspect
 import re
 from pathlib import Path
 
@@ -21,6 +22,30 @@ def test_what_sets_everything_up_comes_first():
     first = README.split("```")[1].removeprefix("console")
     typed = [line.removeprefix("$ ").split("#")[0].strip() for line in first.strip().splitlines()]
     assert typed == ["pip install .", "make demo", "make test"]
+
+
+def arguments_of(thing):
+    """Return the names of what a public function or class is called with."""
+    called = thing.__init__ if inspect.isclass(thing) else thing
+    some = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
+    taken = [p for p in inspect.signature(called).parameters.values() if p.kind not in some]
+    return {p.name for p in taken} - {"self"}
+
+
+def test_every_argument_of_a_public_name_is_in_its_docstring():
+    for name in hj.__all__:
+        thing = getattr(hj, name)
+        if not callable(thing) or (inspect.isclass(thing) and issubclass(thing, Exception)):
+            continue
+        told = set(re.findall(r"^ +\**(\w+): ", thing.__doc__, re.M))
+        missing = {word for word in arguments_of(thing) - told if not word.startswith("_")}
+        assert not missing, (name, missing)
+
+
+def test_links_of_the_readme_lead_somewhere():
+    links = re.findall(r"\]\((?!http)([^)#]+)", README)
+    assert len(links) > 10
+    assert [link for link in links if not (ROOT / link).exists()] == []
 
 
 def test_every_public_name_exists_and_has_its_place_in_the_reference():

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from hitjoints.datasets.describe import versions
 from hitjoints.plotted import Plotted
+from hitjoints.told import Told
 from hitjoints.version import __version__
 
 if TYPE_CHECKING:
@@ -25,8 +26,8 @@ if TYPE_CHECKING:
 Verdict = Literal["sendable", "not sendable", "no"]
 
 
-@dataclass(frozen=True, eq=False)
-class Answer(Plotted):
+@dataclass(frozen=True, eq=False, repr=False)
+class Answer(Told, Plotted):
     """What became of a wish.
 
     Attributes:
@@ -85,6 +86,14 @@ class Answer(Plotted):
             )
         parts.append(f"torques up to {self.swing.torque_ratio_max:.2f} of the limits")
         return "; ".join([*parts, self.verdict + (f": {self.reason}" if self.reason else "")])
+
+    def lines(self) -> list[tuple[str, object]]:
+        """Return what of it counts."""
+        names = ("verdict", "reason", "nearest", "joint", "direction", "flux", "object_speed")
+        said = self.as_dict()
+        told = [(name, said[name]) for name in (*names, "arrives")]
+        parts = {"landing": self.landing, "swing": self.swing, "simulated": self.simulated}
+        return told + [(name, value and value.words) for name, value in parts.items()]
 
     def left(self, position: ArrayLike, yaw: float = 0.0) -> Hit:
         """Return what is left to ask for, once the first hit was made.

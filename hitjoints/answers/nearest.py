@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.constants import GRAVITY
+from hitjoints.told import Told
 
 if TYPE_CHECKING:
     from hitjoints.hit import Hit
     from hitjoints.types import Array
 
 
-@dataclass(frozen=True, eq=False)
-class Nearest:
+@dataclass(frozen=True, eq=False, repr=False)
+class Nearest(Told):
     """The nearest hit that can be made: the same one, less hard, or on a lighter object.
 
     Attributes:

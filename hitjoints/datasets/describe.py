@@ -51,6 +51,13 @@ UNITS = {
     "x": ("m", "object position along x, robot base frame"),
     "y": ("m", "object position along y, robot base frame"),
     "z": ("m", "object position along z, robot base frame"),
+    "miss": ("m", "distance of the contact from the object at the impact"),
+    "direction_error": ("deg", "angle between the contact's velocity and the direction"),
+    "hits": ("1", "share of the motions tried that hit the object along the direction"),
+    "acceleration_ratio": ("1", "greatest acceleration in units of its limit"),
+    "torque_ratio": ("1", "greatest torque in units of its limit"),
+    "q0": ("rad", "joint positions at the start of the motion"),
+    "q_hit": ("rad", "hitting configuration that the motion was made for"),
     "done": ("1", "the block has been computed"),
 }
 PACKAGES = ("pin", "numpy")

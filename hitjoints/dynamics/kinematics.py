@@ -42,10 +42,16 @@ def position(robot: Robot, q: ArrayLike, contact: Contact | int) -> NDArray[np.f
 def jacobian(robot: Robot, q: ArrayLike, contact: Contact | int) -> NDArray[np.float64]:
     """Return the translational Jacobian J_k(q) of the contact point.
 
-    Arguments and errors as `position`.
+    Args:
+        robot: the arm.
+        q: (n,) rad.
+        contact: joint number or Contact.
 
     Returns:
         (3, n) m/rad, world-aligned. Columns k..n are zero when the contact is joint k's origin.
+
+    Raises:
+        InputError: no such joint, or q of wrong shape or not finite.
     """
     contact, q = robot.contact(contact), robot.one_configuration(q)
     return point_jacobian(robot.model, robot.data, q, contact)
@@ -62,7 +68,18 @@ def point_jacobian(
 
 
 def manipulability(robot: Robot, q: ArrayLike, contact: Contact | int) -> float:
-    """Return Yoshikawa's measure sqrt(det(J J^T)), m^3/rad^3; arguments as `position`.
+    """Return Yoshikawa's measure of manipulability.
+
+    Args:
+        robot: the arm.
+        q: (n,) rad.
+        contact: joint number or Contact.
+
+    Returns:
+        sqrt(det(J J^T)), m^3/rad^3.
+
+    Raises:
+        InputError: no such joint, or q of wrong shape or not finite.
 
     Source: Yoshikawa, Manipulability of robotic mechanisms, IJRR 4(2), 1985.
     """
@@ -96,9 +113,20 @@ class FeasibleDirections:
 
 
 def feasible_directions(robot: Robot, q: ArrayLike, contact: Contact | int) -> FeasibleDirections:
-    """Return the directions the contact point can move in; arguments and errors as `position`.
+    """Return the directions the contact point can move in.
 
     Section V of the paper: the range of J_k, which is not all of space near the base.
+
+    Args:
+        robot: the arm.
+        q: (n,) rad.
+        contact: joint number or Contact.
+
+    Returns:
+        An orthonormal basis of them, with the greatest speed along each.
+
+    Raises:
+        InputError: no such joint, or q of wrong shape or not finite.
     """
     jac = jacobian(robot, q, contact)
     left, singular, _ = np.linalg.svd(jac, full_matrices=False)

@@ -18,7 +18,7 @@ from hitjoints.goals.coming_down import Afloat, come_down
 from hitjoints.goals.leaning import Response, respond, turned
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
 
     from hitjoints.goals.sliding import Support
     from hitjoints.types import Array
@@ -91,6 +91,12 @@ class Boxes:
         return np.asarray(
             1 / (moved.velocity[:, 0] - moved.spin * self.lever + moved.pitch * self.height)
         )
+
+    @property
+    def on_the_face(self) -> NDArray[np.bool_]:
+        """(N,) which are hit on the face and do not slide on their edge."""
+        steep = self.friction * self.size[2] / self.size[0] > STEEPEST
+        return np.asarray((np.abs(self.lever) <= self.size[1] / 2) & ~steep)
 
     def obstacles(self) -> list[str]:
         """Return why boxes do not simply slide, however hard they are hit."""

@@ -12,6 +12,7 @@ from hitjoints.goals.box_hit import Boxes, Departure, hit_boxes
 from hitjoints.goals.leaning import turned
 from hitjoints.goals.sliding import Rest, Support, slide_to_rest
 from hitjoints.impact.shown_inertia import shown_mobility
+from hitjoints.told import Told
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
     from hitjoints.types import Array
 
 
-@dataclass(frozen=True, eq=False)
-class BoxRest:
+@dataclass(frozen=True, eq=False, repr=False)
+class BoxRest(Told):
     """How a box left a hit, and where it came to rest.
 
     Attributes:

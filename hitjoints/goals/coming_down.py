@@ -25,11 +25,15 @@ if TYPE_CHECKING:
 
 STEPS = 16
 """In which a box comes down, about."""
+FARTHEST = 0.05
+"""rad, that a box is lifted in a step."""
 MOST_STEPS = 20 * STEPS
 ROCKS = 8
 """Times a box rocks; what is left of the motion then is less than can be seen."""
 WEAKEST = 0.1
 """Share of gravity over length with which a box is pulled down; by less, and it is about to tip."""
+CREEP = 1e-3
+"""m/s, slower than which an edge as good as sticks."""
 STILL = 1e-6
 """rad/s, of a box that does not pitch."""
 
@@ -84,7 +88,8 @@ def _fallen(boxes: Boxes, now: Afloat, which: Mask) -> Afloat:
     """
     rate = now.side * now.moved.pitch
     pull = np.maximum(-now.side * _rates(boxes, now).moved.pitch, WEAKEST * GRAVITY / boxes.size[0])
-    step = np.where(which, 2 * rate / pull / STEPS, 0.0)
+    rising = np.where(which, rate, 1.0)
+    step = np.where(which, np.minimum(2 * rate / pull / STEPS, FARTHEST / rising), 0.0)
     going = which.copy()
     for _ in range(MOST_STEPS):
         left = np.where(going, np.minimum(step, _landing_time(boxes, now)), 0.0)
@@ -113,8 +118,7 @@ def _struck(boxes: Boxes, now: Afloat, which: Mask) -> Afloat:
     before, rate = _turned(now.moved, -now.yaw), now.side * now.moved.pitch
     near, far = Edge(boxes, now.side), Edge(boxes, -now.side)
     sinking = -rate * near.reach  # of the centre, m/s; the far edge sinks twice as fast
-    slip = far.slip(before)
-    rocked = far.hold(before, slip, 2 * sinking)
+    rocked = far.hold(before, _direction(far.slip(before)), 2 * sinking)
     rocks = which & ~now.tipped & (-now.side * rocked.pitch > STILL) & (rate < 0)
     flat = _flattened(boxes, before, (near, far), sinking)
     lies = which & ~now.tipped & ~rocks
@@ -126,7 +130,7 @@ def _flattened(
     boxes: Boxes, before: Response, edges: tuple[Edge, Edge], sinking: Array
 ) -> Response:
     """Return boxes that both edges stop: as much by each as ends the sinking and the pitch."""
-    does = [edge.wrench(edge.slip(before)) for edge in edges]
+    does = [edge.wrench(_direction(edge.slip(before))) for edge in edges]
     both = Wrench(
         *(np.concatenate([a[:, :1], b[:, :1]], axis=1) for a, b in zip(*does, strict=True))
     )
@@ -139,14 +143,33 @@ def _flattened(
 def _rates(boxes: Boxes, now: Afloat) -> Afloat:
     """Return what changes in a second, on the edge; the axes of the face turn with the box."""
     moved, edge = now.moved, Edge(boxes, now.side, now.lift)
-    seen = _turned(moved, -now.yaw)
     none = np.zeros_like(moved.spin)
-    still = Response(np.zeros_like(moved.velocity), none, none)
-    wanted = np.maximum(GRAVITY - edge.down * moved.pitch**2, 0.0)
-    pushed = _turned(edge.hold(still, edge.slip(seen), wanted), now.yaw)
-    return replace(
-        now, moved=pushed, way=moved.velocity, yaw=moved.spin, lift=now.side * moved.pitch
+    sin, cos = np.sin(now.side * now.lift), np.cos(now.lift)
+    # A box that spins and pitches: Euler's equations, about the axis of its pitch and the normal.
+    thin = (boxes.roll_inertia - boxes.spin_inertia) * sin * cos
+    still = Response(
+        np.zeros_like(moved.velocity), none, thin * moved.spin**2 / boxes.pitch_inertia
     )
+    wanted = np.maximum(GRAVITY - edge.down * moved.pitch**2 + edge.ahead * still.pitch, 0.0)
+    seen = _turned(moved, -now.yaw)
+    twist = (boxes.spin_inertia - boxes.roll_inertia) * (cos**2 - sin**2) - boxes.pitch_inertia
+    twist = twist * moved.pitch * moved.spin
+    pushed = _turned(edge.hold(still, _direction(edge.slip(seen)), wanted, twist), now.yaw)
+    upright = boxes.spin_inertia * cos**2 + boxes.roll_inertia * sin**2
+    spin = (pushed.spin * boxes.spin_inertia - 2 * thin * moved.pitch * moved.spin) / upright
+    return replace(
+        now,
+        moved=pushed._replace(spin=spin),
+        way=moved.velocity,
+        yaw=moved.spin,
+        lift=now.side * moved.pitch,
+    )
+
+
+def _direction(slip: Array) -> Array:
+    """Return directions of slip (N, J, 2); of what creeps, a share."""
+    length = np.linalg.norm(slip, axis=-1, keepdims=True)
+    return np.asarray(slip / np.hypot(length, CREEP))
 
 
 def _runge_kutta(boxes: Boxes, now: Afloat, time: Array) -> Afloat:

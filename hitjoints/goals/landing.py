@@ -14,6 +14,7 @@ from hitjoints.goals.box_rest import level_axes, send_boxes, strike_boxes
 from hitjoints.goals.leaning import turned
 from hitjoints.goals.slide_path import SlidePath
 from hitjoints.goals.sliding import Support, slide_steps
+from hitjoints.told import Told
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -29,8 +30,8 @@ POINT_SIZE = (1e-3, 1e-3, 1e-3)
 """m, of an object whose size is not given: a point does not turn."""
 
 
-@dataclass(frozen=True, eq=False)
-class Landing:
+@dataclass(frozen=True, eq=False, repr=False)
+class Landing(Told):
     """Where the object comes to rest: the place of the hit, moved as the object's centre is.
 
     Attributes:
@@ -38,10 +39,11 @@ class Landing:
         yaw: rad, turned on the way, without any spread.
         mean: (3,) m.
         covariance: (2, 2) m^2, horizontal.
-        samples: (N, 2) m, horizontal places.
+        samples: (N, 2) m, horizontal places, of those that slide.
         goal: (3,) m; without one, the nominal place.
         tolerance: m.
-        within: share of the samples that rest within the tolerance of the goal.
+        within: share of the tries that rest within the tolerance of the goal.
+        lost: share of the tries that miss the face or slide on an edge, and count as not there.
     """
 
     nominal: Array
@@ -52,6 +54,14 @@ class Landing:
     goal: Array
     tolerance: float
     within: float
+    lost: float = 0.0
+
+    @property
+    def words(self) -> str:
+        """Where it rests, in a line."""
+        x, y, z = self.mean
+        share = f"within {self.tolerance:g} m of the goal in {100 * self.within:.0f} of 100"
+        return f"({x:.3f}, {y:.3f}, {z:.3f}) m, {share}"
 
     def as_dict(self) -> dict[str, Any]:
         """Return the result as JSON knows it, without the samples."""
@@ -63,6 +73,7 @@ class Landing:
             "goal": self.goal.tolist(),
             "tolerance": self.tolerance,
             "within": self.within,
+            "lost": self.lost,
         }
 
 
@@ -105,6 +116,9 @@ def landing(  # noqa: PLR0913
     if samples < 2:
         raise InputError("samples", samples, "at least 2")
     drawn = _draw(hit, samples, seed)
+    kept = _boxes(hit, drawn, off_centre, height, support).on_the_face
+    kept[0] = True  # the hit that was asked for is refused if it misses
+    drawn = {name: values[kept] for name, values in drawn.items()}
     boxes = _boxes(hit, drawn, off_centre, height, support)
     _, slide = send_boxes(robot, q, hit, boxes, speed * drawn["speed"], drawn["restitution"])
     places = hit.position[:2] + slide.displacement @ level_axes(hit).T
@@ -119,7 +133,8 @@ def landing(  # noqa: PLR0913
         tried,
         goal,
         tolerance,
-        float(np.mean(np.linalg.norm(tried - goal[:2], axis=1) <= tolerance)),
+        float(np.sum(np.linalg.norm(tried - goal[:2], axis=1) <= tolerance)) / samples,
+        1.0 - len(tried) / samples,
     )
 
 

@@ -2,7 +2,7 @@
 
 It would pitch, and the edge over which it does would sink in: the table pushes back there, with
 friction against the slip of the edge. All begins from rest, so that what moves keeps its direction
-while the impulse grows, and the slip's direction is found by going round.
+while the impulse grows, and the direction of the slip is found by going round.
 """
 
 from __future__ import annotations
@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     from hitjoints.goals.box_hit import Boxes
     from hitjoints.types import Array
 
-ROUNDS = 100
+ROUNDS = 300
+STRIDE = 1.0
+"""Of a round, in units of the slip of a point mass."""
 SETTLED = 1e-12
 """Change of a slip's direction in a round that is none."""
 
@@ -73,13 +75,15 @@ def respond(boxes: Boxes) -> Response:
     if height == 0:
         return free
     edge = Edge(boxes, np.full(count, np.sign(height)))
-    slip = np.zeros((count, len(edge.across), 2))
-    slip[..., 0] = 1.0
+    drag = np.zeros((count, len(edge.across), 2))
+    drag[..., 0] = 1.0
     moved = free
     for _ in range(ROUNDS):
-        moved = edge.hold(free, slip, edge.ahead * free.pitch)
-        before, slip = slip, edge.slip(moved)
-        if np.abs(slip - before).max() < SETTLED:
+        moved = edge.hold(free, drag, edge.ahead * free.pitch)
+        # Coulomb's law as a projection: along the slip, or less where the edge sticks.
+        pulled = drag + STRIDE * boxes.mass[:, None, None] * edge.slip(moved)
+        before, drag = drag, pulled / np.maximum(np.linalg.norm(pulled, axis=-1), 1.0)[..., None]
+        if np.abs(drag - before).max() < SETTLED:
             break
     return moved
 
@@ -106,13 +110,13 @@ class Edge:
         self.across = boxes.size[1] / 2 * nodes
         self.shapes = np.stack((weights, weights * nodes))
 
-    def wrench(self, slip: Array) -> Wrench:
-        """Return what unit loads of each shape do while the edge's points slip.
+    def wrench(self, dragged: Array) -> Wrench:
+        """Return what unit loads of each shape do while the edge's points are dragged.
 
         Args:
-            slip: (N, J, 2) unit vectors.
+            dragged: (N, J, 2), directions against which friction acts, at most of unit length.
         """
-        drag = -self.boxes.friction[:, None, None] * slip
+        drag = -self.boxes.friction[:, None, None] * dragged
         lift, ahead, down = self.shapes.sum(axis=1), self.ahead[:, None], self.down[:, None]
         push = np.einsum("kj,njx->nkx", self.shapes, drag)
         round_up = ahead * drag[..., 1] - self.across * drag[..., 0]
@@ -123,29 +127,30 @@ class Edge:
             self.shapes @ self.across + down * push[..., 1],
         )
 
-    def hold(self, free: Response, slip: Array, wanted: Array) -> Response:
+    def hold(
+        self, free: Response, dragged: Array, wanted: Array, twist: ArrayLike = 0.0
+    ) -> Response:
         """Return the response of boxes that the table holds up at the edge, without a roll.
 
         Args:
             free: without the table.
-            slip: (N, J, 2) unit vectors, directions in which the edge's points slip.
+            dragged: as `wrench`.
             wanted: (N,), by how much the edge is to be raised.
+            twist: (N,), moment about the normal that the loads are to have.
         """
-        boxes, does = self.boxes, self.wrench(slip)
+        boxes, does = self.boxes, self.wrench(dragged)
         mass, about = boxes.mass[:, None], boxes.pitch_inertia[:, None]
         raised = self.shapes.sum(axis=1) / mass - self.ahead[:, None] * does.pitched / about
-        sinking = np.stack((raised, does.rolled / boxes.roll_inertia[:, None]), axis=1)
-        asked = np.column_stack((wanted, np.zeros_like(wanted)))
+        sinking = np.stack((raised, does.rolled), axis=1)
+        asked = np.column_stack(np.broadcast_arrays(wanted, twist))
         return does.added(free, boxes, np.linalg.solve(sinking, asked[..., None])[..., 0])
 
     def slip(self, moved: Response) -> Array:
-        """Return the directions (N, J, 2) in which the edge's points slip."""
+        """Return the velocities (N, J, 2) of the edge's points."""
         along = (moved.velocity[:, 0] - self.down * moved.pitch)[:, None]
         along = along - moved.spin[:, None] * self.across
         aside = moved.velocity[:, 1] + self.ahead * moved.spin
-        slip = np.stack(np.broadcast_arrays(along, aside[:, None]), axis=-1)
-        length = np.linalg.norm(slip, axis=-1, keepdims=True)
-        return np.asarray(slip / np.where(length > 0, length, 1.0))
+        return np.stack(np.broadcast_arrays(along, aside[:, None]), axis=-1)
 
 
 def turned(vectors: Array, angle: Array) -> Array:

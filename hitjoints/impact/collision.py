@@ -78,10 +78,15 @@ def rebound(
 ) -> Any:
     """Return the change of the robot's speed, -(1 + eps) m_o / (lambda + m_o) v (Eq. 11).
 
-    Arguments and errors as `object_speed`.
+    Args:
+        inertia: as `hitting_flux`.
+        mass: as `hitting_flux`.
+        speed: as `hitting_flux`.
+        object_velocity: as `hitting_flux`.
+        restitution: eps, from 0 to 1.
 
     Returns:
-        m/s, negative for a hit: the robot is slowed down.
+        m/s, negative for a hit: the robot is slowed down. Errors as `hitting_flux`.
     """
     checked = _mass(mass)
     share = checked / (_inertia(inertia) + checked)

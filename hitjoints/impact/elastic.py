@@ -15,6 +15,7 @@ from hitjoints.errors import InputError
 from hitjoints.impact.restitution import contact_spring
 from hitjoints.impact.rotor import known_rotors, known_stiffness, per_joint
 from hitjoints.impact.spring_arm import Parted, SpringArm, second_contact
+from hitjoints.told import Told
 from hitjoints.vectors import unit
 
 if TYPE_CHECKING:
@@ -24,8 +25,8 @@ if TYPE_CHECKING:
     from hitjoints.types import Array
 
 
-@dataclass(frozen=True)
-class ElasticImpact:
+@dataclass(frozen=True, repr=False)
+class ElasticImpact(Told):
     """What an elastic arm makes of a hit.
 
     Attributes:

@@ -70,11 +70,23 @@ def impact_inertia_gradient(
 ) -> NDArray[np.float64]:
     """Return the exact gradient of the inertia by the joint positions.
 
-    Arguments and errors as `impact_inertia`; rotors are the same in every configuration, so that
-    the derivative of M + B is that of M.
+    Rotors are the same in every configuration, so that the derivative of M + B is that of M.
+
+    Args:
+        robot: as `directional_inertia`.
+        q: as `directional_inertia`.
+        contact: as `directional_inertia`.
+        direction: as `directional_inertia`.
+        model: as `impact_inertia`.
+        rotor_inertia: as `impact_inertia`.
 
     Returns:
         kg/rad: (n,) for one configuration, (N, n) for rows.
+
+    Raises:
+        InputError: as `impact_inertia`.
+        InfeasibleError: as `impact_inertia`.
+        ModelError: as `impact_inertia`.
     """
     if model not in INERTIA_MODELS:
         raise UnknownNameError("model", model, INERTIA_MODELS)

@@ -22,6 +22,7 @@ from hitjoints.kernels.ik_step import (
 )
 from hitjoints.kernels.outputs import record
 from hitjoints.kernels.tape.backends import Array, Runnable, choose, evaluate, prepare
+from hitjoints.told import Told
 
 TOLERANCE = 1e-9
 """Largest position error (m) of a solved row."""
@@ -40,8 +41,8 @@ SPOT_CHECKS = 8
 """Rows per call compared with Pinocchio."""
 
 
-@dataclass(frozen=True)
-class Placement:
+@dataclass(frozen=True, repr=False)
+class Placement(Told):
     """Configurations that place a contact.
 
     Args:

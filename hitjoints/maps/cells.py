@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from hitjoints.built import kernel_for
+from hitjoints.maps.map_kinds import WORKSPACE, MapKind
 from hitjoints.model.robot import Contact
 from hitjoints.quantities import place_joint
 
@@ -19,13 +20,6 @@ if TYPE_CHECKING:
     from hitjoints.model.robot import Robot
     from hitjoints.types import Array
 
-# Per position, joint and direction. Names without an ending belong to the best configuration,
-# the one of the greatest flux, so that each can be checked at its `q`.
-PER_DIRECTION = (
-    "inertia", "inertia_min", "inertia_median", "inertia_max",
-    "speed", "speed_max", "flux", "flux_median",
-    "straight_speed", "straight_flux", "away", "away_flux",
-)  # fmt: skip
 OUTPUTS = ("inertia", "speed", "flux", "straight_speed", "straight_flux")
 ROWS_AT_ONCE = 200_000  # configurations in memory at a time
 MOST_SAMPLES = 1_000_000  # per position and joint: those of one position are in memory together
@@ -50,6 +44,22 @@ class Question:
     mass: float
     samples: int
     seed: int
+    kind: ClassVar[MapKind] = WORKSPACE
+
+    @property
+    def further(self) -> dict[str, Any]:
+        """What else a map's numbers hang on, for its attributes."""
+        return {}
+
+    def part(
+        self,
+        contact: Contact,
+        positions: Array,
+        numbers: NDArray[np.int64],
+        threads: int | None,
+    ) -> dict[str, Array]:
+        """Return the answer for one contact, without its axis; see `evaluate`."""
+        return _evaluate(self, contact, positions, numbers, threads)
 
     @property
     def positions_at_once(self) -> int:
@@ -79,8 +89,8 @@ def evaluate(
         stopped: asked now and then whether the answer is still wanted.
 
     Returns:
-        `reachable` (K, P), the share of samples that reach the position; `q` (K, D, P, n) and the
-        names of `PER_DIRECTION`, (K, D, P); nan where the position is out of reach.
+        `reachable` (K, P), the share of samples that reach the position; the names of the kind of
+        map, (K, D, P), postures (K, D, P, n); nan where there is no answer.
 
     Raises:
         StoppedError: it is not.
@@ -91,7 +101,7 @@ def evaluate(
         if stopped():
             raise StoppedError
         cut = slice(i, i + step)
-        return _evaluate(question, contact, positions[cut], numbers[cut], threads)
+        return question.part(contact, positions[cut], numbers[cut], threads)
 
     parts = [
         [part(contact, i) for i in range(0, len(positions), step)] for contact in question.contacts
@@ -116,10 +126,10 @@ def _evaluate(
 ) -> dict[str, Array]:
     robot, directions, samples = question.robot, question.directions, question.samples
     shape = (len(directions), len(positions))
-    result: dict[str, Array] = {name: np.full(shape, np.nan) for name in PER_DIRECTION}
+    result: dict[str, Array] = {name: np.full(shape, np.nan) for name in WORKSPACE.per_direction}
     result["q"] = np.full((*shape, robot.n), np.nan)
     result["reachable"] = np.zeros(len(positions))
-    q, solved, where = _sample(question, contact, positions, numbers, threads)
+    q, solved, where = sample(question, contact, positions, numbers, threads)
     if not where.size:
         return result
     result["reachable"][where] = solved.mean(axis=1)
@@ -156,7 +166,7 @@ def _evaluate(
     return result
 
 
-def _sample(
+def sample(
     question: Question,
     contact: Contact,
     positions: Array,

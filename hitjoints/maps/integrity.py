@@ -9,9 +9,9 @@ import numpy as np
 
 from hitjoints.datasets.ownership import root_attributes
 from hitjoints.errors import InputError
-from hitjoints.maps.cells import PER_DIRECTION
 from hitjoints.maps.grid import Grid
-from hitjoints.maps.map_layout import BLOCKWISE, coordinates_of, part_of
+from hitjoints.maps.map_kinds import MapKind, kind_of
+from hitjoints.maps.map_layout import coordinates_of, part_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -55,7 +55,7 @@ def open_arrays(path: Path, argument: str, attributes: dict[str, Any]) -> Arrays
     try:
         group = zarr.open_group(path, mode="r+")
         arrays: Arrays = {}
-        for name in (*BLOCKWISE, "done"):
+        for name in (*kind_of(attributes).blockwise, "done"):
             arrays[name] = group[name]
         for name, (_, values) in coordinates_of(attributes, arrays["q"].shape[-1]).items():
             stored: Any = group[name]
@@ -68,12 +68,12 @@ def open_arrays(path: Path, argument: str, attributes: dict[str, Any]) -> Arrays
     return arrays
 
 
-def missing_blocks(arrays: Arrays, grid: Grid) -> list[tuple[int, int, int]]:
+def missing_blocks(arrays: Arrays, grid: Grid, kind: MapKind) -> list[tuple[int, int, int]]:
     """Return the blocks that are not there: never computed, or damaged since."""
     return [
         index
         for index in grid.indices()
-        if not (_is_marked(arrays, index) and _is_whole(arrays, grid, index))
+        if not (_is_marked(arrays, index) and _is_whole(arrays, grid, index, kind))
     ]
 
 
@@ -91,28 +91,25 @@ def _is_marked(arrays: Arrays, index: tuple[int, int, int]) -> bool:
         return False
 
 
-def _is_whole(arrays: Arrays, grid: Grid, index: tuple[int, int, int]) -> bool:
+def _is_whole(arrays: Arrays, grid: Grid, index: tuple[int, int, int], kind: MapKind) -> bool:
     """Tell whether a block can be read, and holds numbers wherever a position can be reached.
 
     A chunk that is not there reads as nan; so does one that was never written because all of its
     positions are out of reach, and nothing is lost with that.
     """
     try:
-        block = {name: arrays[name][part_of(name, grid, index)] for name in BLOCKWISE}
+        block = {name: arrays[name][part_of(name, grid, index)] for name in kind.blockwise}
     except Exception:  # as above
         return False
-    return _is_consistent(block)
+    return _is_consistent(block, kind)
 
 
-def _is_consistent(block: dict[str, NDArray[np.float64]]) -> bool:
-    reachable = block["reachable"]
-    if np.isnan(reachable).any():
+def _is_consistent(block: dict[str, NDArray[np.float64]], kind: MapKind) -> bool:
+    if np.isnan(block["reachable"]).any():
         return False
-    out_of_reach = np.broadcast_to((reachable == 0)[:, None], block["away"].shape)
-    absent = {name: np.isnan(block[name]) for name in PER_DIRECTION}
-    expected = dict.fromkeys(PER_DIRECTION, out_of_reach) | {"away_flux": block["away"] != 1}
-    in_q = np.isnan(block["q"])
-    return bool(
-        all((absent[name] == expected[name]).all() for name in PER_DIRECTION)
-        and (in_q == out_of_reach[..., None]).all()
-    )
+    for name, absent in kind.absent(block).items():
+        found = np.isnan(block[name])
+        expected = absent[..., None] if name in kind.postures else absent
+        if (found != expected).any():
+            return False
+    return True

@@ -8,31 +8,34 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.datasets.describe import UNITS, origin
-from hitjoints.maps.cells import PER_DIRECTION, Question
+from hitjoints.maps.cells import Question
 from hitjoints.maps.grid import Grid
+from hitjoints.maps.map_kinds import POSTURES, kind_of
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 SPACE = ("x", "y", "z")
-BLOCKWISE = (*PER_DIRECTION, "q", "reachable")
-"""The variables that a block has a part of."""
 
 
 def attributes_of(question: Question, grid: Grid, command: str) -> dict[str, Any]:
     """Return what a map's numbers hang on, and the command that asked for it."""
     robot = question.robot
-    return origin(robot) | {
-        "mass": question.mass,
-        "samples": question.samples,
-        "seed": question.seed,
-        "offsets": [list(contact.offset) for contact in question.contacts],
-        "joints": [contact.joint for contact in question.contacts],
-        "directions": question.directions.tolist(),
-        "grid": [axis.tolist() for axis in grid.axes],
-        "block": list(grid.block),
-        "command": command,
-    }
+    return (
+        origin(robot)
+        | question.further
+        | {
+            "mass": question.mass,
+            "samples": question.samples,
+            "seed": question.seed,
+            "offsets": [list(contact.offset) for contact in question.contacts],
+            "joints": [contact.joint for contact in question.contacts],
+            "directions": question.directions.tolist(),
+            "grid": [axis.tolist() for axis in grid.axes],
+            "block": list(grid.block),
+            "command": command,
+        }
+    )
 
 
 def coordinates_of(attributes: dict[str, Any], n: int) -> dict[str, Any]:
@@ -88,9 +91,11 @@ def lay_out(store: Path | Any, grid: Grid, n: int, attributes: dict[str, Any]) -
     }
     full = ("joint", "direction", *SPACE)
     shape, chunks = (joints, directions, *grid.shape), (joints, directions, *grid.block)
-    for name in PER_DIRECTION:
+    kind = kind_of(attributes)
+    for name in kind.per_direction:
         add(name, full, shape=shape, chunks=chunks, **floats)
-    add("q", (*full, "axis"), shape=(*shape, n), chunks=(*chunks, n), **floats)
+    for name in kind.postures:
+        add(name, (*full, "axis"), shape=(*shape, n), chunks=(*chunks, n), **floats)
     lead = (joints, *grid.shape)
     add("reachable", ("joint", *SPACE), shape=lead, chunks=(joints, *grid.block), **floats)
     blocks: dict[str, Any] = {"shape": grid.blocks, "chunks": (1, 1, 1)}
@@ -99,7 +104,9 @@ def lay_out(store: Path | Any, grid: Grid, n: int, attributes: dict[str, Any]) -
 
 def bytes_of(grid: Grid, question: Question) -> int:
     """Return how much memory the values of a map take."""
-    per_position = len(question.directions) * (len(PER_DIRECTION) + question.robot.n) + 1
+    kind = question.kind
+    numbers = len(kind.per_direction) + len(kind.postures) * question.robot.n
+    per_position = len(question.directions) * numbers + 1
     return 8 * math.prod(grid.shape) * len(question.contacts) * per_position
 
 
@@ -107,4 +114,4 @@ def part_of(name: str, grid: Grid, index: tuple[int, int, int]) -> tuple[slice, 
     """Return which part of a variable a block holds."""
     every = slice(None)
     leading = (every,) if name == "reachable" else (every, every)
-    return (*leading, *grid.slices(index), *((every,) if name == "q" else ()))
+    return (*leading, *grid.slices(index), *((every,) if name in POSTURES else ()))

@@ -10,6 +10,7 @@ from threading import Event
 from typing import TYPE_CHECKING, Any
 
 from hitjoints.errors import HitjointsError, InputError, MissingExtraError
+from hitjoints.kernels.tape.backends import choose
 from hitjoints.kernels.tape.rows import available_cpus
 from hitjoints.maps.cells import Question, evaluate
 from hitjoints.maps.grid import Grid
@@ -62,6 +63,7 @@ def _run_here(
     workers = available_cpus() if threads is None else threads
     if not 1 <= workers <= MOST_THREADS:
         raise InputError("threads", threads, f"1 to {MOST_THREADS} threads")
+    choose()  # before there are threads: two that import llvmlite at once may both go without it
     stop = Event()
     with ThreadPoolExecutor(workers) as pool:
 

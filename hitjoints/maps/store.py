@@ -22,7 +22,8 @@ from hitjoints.errors import InputError
 from hitjoints.maps.cells import Question
 from hitjoints.maps.grid import Grid
 from hitjoints.maps.integrity import missing_blocks, open_arrays, read_attributes
-from hitjoints.maps.map_layout import BLOCKWISE, attributes_of, lay_out, part_of
+from hitjoints.maps.map_kinds import MapKind, kind_of
+from hitjoints.maps.map_layout import attributes_of, lay_out, part_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -39,14 +40,17 @@ class MapStore:
         arrays: its variables.
         grid: its positions.
         path: of its folder.
+        kind: of map.
     """
 
-    def __init__(self, arrays: dict[str, Any], grid: Grid, path: Path | None) -> None:
-        self._arrays, self._grid, self._path = arrays, grid, path
+    def __init__(
+        self, arrays: dict[str, Any], grid: Grid, path: Path | None, kind: MapKind
+    ) -> None:
+        self._arrays, self._grid, self._path, self._kind = arrays, grid, path, kind
 
     def missing(self) -> list[tuple[int, int, int]]:
         """Return the indices of the blocks to be computed: not done, or damaged since."""
-        return missing_blocks(self._arrays, self._grid)
+        return missing_blocks(self._arrays, self._grid, self._kind)
 
     def write(self, index: tuple[int, int, int], values: dict[str, NDArray[np.float64]]) -> None:
         """Write a block's values, as `evaluate` returns them, then mark it as done.
@@ -70,7 +74,8 @@ def map_in_memory(question: Question, grid: Grid, command: str) -> tuple[MapStor
     store = zarr.storage.MemoryStore()
     lay_out(store, grid, question.robot.n, attributes_of(question, grid, command))
     group = zarr.open_group(store, mode="r+")
-    return MapStore({name: group[name] for name in (*BLOCKWISE, "done")}, grid, None), store
+    arrays = {name: group[name] for name in (*question.kind.blockwise, "done")}
+    return MapStore(arrays, grid, None, question.kind), store
 
 
 @contextmanager
@@ -101,7 +106,7 @@ def map_on_disk(path: Path, question: Question, grid: Grid, command: str) -> Ite
         for scratch in path.glob("*/c/**/*.partial"):
             if HALF_WRITTEN.fullmatch(scratch.name):
                 scratch.unlink()
-        yield MapStore(open_arrays(path, "out", attributes), grid, path)
+        yield MapStore(open_arrays(path, "out", attributes), grid, path, question.kind)
 
 
 @contextmanager
@@ -130,7 +135,10 @@ def _begin(path: Path, grid: Grid, n: int, attributes: dict[str, Any]) -> None:
 
 
 def _refuse_other(path: Path, attributes: dict[str, Any]) -> None:
-    found = read_attributes(path, "out")
+    found, kind = read_attributes(path, "out"), kind_of(attributes)
+    if kind_of(found) is not kind:
+        expected = f"it holds a {kind_of(found).name} map; choose another name or remove it"
+        raise InputError("out", path, expected)
     differing = [
         key for key, value in json.loads(json.dumps(attributes)).items()
         if key != "command" and found.get(key) != value

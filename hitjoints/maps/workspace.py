@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hitjoints.errors import InputError
 from hitjoints.maps.cells import MOST_SAMPLES, Question
-from hitjoints.maps.grid import Grid, make_grid
-from hitjoints.maps.integrity import grid_of, missing_blocks, open_arrays, read_attributes
-from hitjoints.maps.map_layout import bytes_of
-from hitjoints.maps.schedule import run_blocks
-from hitjoints.maps.store import MapStore, map_in_memory, map_on_disk
+from hitjoints.maps.grid import make_grid
+from hitjoints.maps.run_sweep import Progress, Work, run_sweep
 from hitjoints.vectors import LARGEST_SEED, positive_mass, unit, whole
 
 if TYPE_CHECKING:
@@ -24,8 +20,6 @@ if TYPE_CHECKING:
     from hitjoints.model.robot import Contact, Robot
 
 POSITIONS_PER_BLOCK = 2000  # what a kill can cost, and the finest grain of a cluster's work
-IN_MEMORY = 4e9  # bytes of a map that has no store
-Progress = Callable[[int, int], None]
 
 
 def sweep_workspace(  # noqa: PLR0913
@@ -89,68 +83,8 @@ def sweep_workspace(  # noqa: PLR0913
         seed=whole(seed, "seed", 0, LARGEST_SEED),
     )
     grid = make_grid(x, y, z, POSITIONS_PER_BLOCK)
-    if out is None:
-        size = bytes_of(grid, question)
-        if size > IN_MEMORY:
-            expected = f"a map of {size / 1e9:.3g} GB is not held in memory: name a Zarr store"
-            raise InputError("out", out, expected)
-        store, source = map_in_memory(question, grid, command)
-        _fill(store, question, grid, scheduler, threads, progress)
-        return _opened(source).load()
-    path = Path(out)
-    with map_on_disk(path, question, grid, command) as store:
-        _fill(store, question, grid, scheduler, threads, progress)
-    return _opened(path)
-
-
-def open_map(path: str | Path) -> Dataset:
-    """Open a map written by `sweep_workspace`; values are read when they are used.
-
-    Args:
-        path: of the Zarr store.
-
-    Returns:
-        As `sweep_workspace` does.
-
-    Raises:
-        InputError: it is not a map of hitjoints, or a part of it is missing or damaged.
-    """
-    path = Path(path)
-    attributes = read_attributes(path, "path")
-    missing = missing_blocks(open_arrays(path, "path", attributes), grid_of(attributes))
-    if missing:
-        raise InputError(
-            "path",
-            path,
-            f"{len(missing)} blocks of this map are missing or damaged; the command that wrote it "
-            f"computes them ({attributes['command'] or 'sweep_workspace'})",
-        )
-    return _opened(path)
-
-
-def _fill(
-    store: MapStore,
-    question: Question,
-    grid: Grid,
-    scheduler: str | None,
-    threads: int | None,
-    progress: Progress | None,
-) -> None:
-    missing = store.missing()
-    total = int(np.prod(grid.shape))
-    done = total - sum(len(grid.positions(index)[0]) for index in missing)
-    for index, values in run_blocks(question, grid, missing, scheduler=scheduler, threads=threads):
-        store.write(index, values)
-        done += len(grid.positions(index)[0])
-        if progress is not None:
-            progress(done, total)
-
-
-def _opened(store: Any) -> Dataset:
-    import xarray as xr
-
-    dataset: Dataset = xr.open_zarr(store, chunks=None, consolidated=False)
-    return dataset.drop_vars("done").set_coords("direction_vector")
+    work = Work(scheduler, threads, progress, command)
+    return run_sweep(question, grid, out, work)
 
 
 def best_joint(dataset: Dataset, quantity: str = "flux") -> DataArray:

@@ -12,6 +12,7 @@ import numpy as np
 
 from hitjoints.errors import InputError, ModelError
 from hitjoints.model.turns import nearest_turn, search_range
+from hitjoints.told import Told
 from hitjoints.vectors import all_finite, real
 
 if TYPE_CHECKING:
@@ -61,8 +62,8 @@ class Contact:
         return type(self), (self.joint, self.offset)
 
 
-@dataclass(frozen=True, eq=False)
-class Robot:
+@dataclass(frozen=True, eq=False, repr=False)
+class Robot(Told):
     """A fixed-base serial arm. Made by `load_robot`; equal when every quantity is.
 
     Threads may share one; processes get a copy each, by pickle.
@@ -118,6 +119,11 @@ class Robot:
         for name in ("acceleration", "jerk", "rotor_inertia", "joint_stiffness"):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, _frozen(getattr(self, name)))
+
+    @property
+    def words(self) -> str:
+        """What it is, in a line."""
+        return f"{self.name}: {self.n} joints, hits with {', '.join(map(str, self.hitting_joints))}"
 
     def __reduce__(self) -> tuple[type[Robot], tuple[Any, ...]]:
         """Pickle what it was made of: work spaces and derived models stay with their process."""

@@ -15,6 +15,7 @@ from hitjoints.hitting.deliverable import deliverable_speed
 from hitjoints.impact.collision import hitting_flux
 from hitjoints.impact.composite import composite_inertia
 from hitjoints.quantities import hitting_speed
+from hitjoints.told import Told
 
 if TYPE_CHECKING:
     from hitjoints.planning.search.found import Found
@@ -24,8 +25,8 @@ if TYPE_CHECKING:
 NEAREST_POSITION = 1e-6  # m, what a plan promises
 
 
-@dataclass(frozen=True, eq=False)
-class Candidate:
+@dataclass(frozen=True, eq=False, repr=False)
+class Candidate(Told):
     """A hitting joint that can do it, with everything about the hit.
 
     Attributes:
@@ -73,13 +74,18 @@ class Candidate:
     arrives: float | None = None
     evidence: dict[str, Any] = field(default_factory=dict, repr=False)
 
+    @property
+    def words(self) -> str:
+        """What it can do, in a line."""
+        return f"joint {self.joint}: {self.inertia:.4g} kg, {self.speed:.4g} m/s; {self.reason}"
+
     def as_dict(self) -> dict[str, Any]:
         """Return the attributes by name, arrays as lists."""
         return {item.name: plain(getattr(self, item.name)) for item in fields(self)}
 
 
-@dataclass(frozen=True, eq=False)
-class Refusal:
+@dataclass(frozen=True, eq=False, repr=False)
+class Refusal(Told):
     """A hitting joint that cannot do it, with the reason. Quantities of a hit are None.
 
     Attributes:
@@ -111,6 +117,11 @@ class Refusal:
     position_error: float | None = None
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
     evidence: dict[str, Any] = field(default_factory=dict, repr=False)
+
+    @property
+    def words(self) -> str:
+        """Why it cannot, in a line."""
+        return f"joint {self.joint}: {self.reason}"
 
     def as_dict(self) -> dict[str, Any]:
         """Return the attributes by the names of a candidate's."""

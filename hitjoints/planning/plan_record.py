@@ -14,6 +14,7 @@ from hitjoints.planning.candidates import Candidate, Verdict, plain
 from hitjoints.planning.start import Start
 from hitjoints.planning.torque_cost import TorqueCost
 from hitjoints.plotted import Plotted
+from hitjoints.told import Told
 
 if TYPE_CHECKING:
     from hitjoints.hit import Hit
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
     from hitjoints.types import Array
 
 
-@dataclass(frozen=True, eq=False)
-class Plan(Plotted):
+@dataclass(frozen=True, eq=False, repr=False)
+class Plan(Told, Plotted):
     """The answer: one candidate per joint, and the best of them.
 
     Attributes:
@@ -89,6 +90,19 @@ class Plan(Plotted):
             for one in sorted(self.candidates, key=lambda one: not one.feasible)
         ]
         return "; ".join(parts)
+
+    @property
+    def words(self) -> str:
+        """The answer, in a line."""
+        asked = f"{self.robot}, {self.objective}, {self.hit.words}"
+        if self.best is None:
+            return f"{asked}: no joint can do it"
+        one = self.best
+        return f"{asked}: joint {one.joint}, {one.inertia:.4g} kg, {one.speed:.4g} m/s"
+
+    def lines(self) -> list[tuple[str, object]]:
+        """Return what it says about each joint."""
+        return [(f"joint {one.joint}", _in_short(one)) for one in self.candidates]
 
     @property
     def _flux_by(self) -> str:
@@ -183,3 +197,11 @@ class Plan(Plotted):
         return isinstance(other, Plan) and self.as_dict() == other.as_dict()
 
     __hash__ = None  # type: ignore[assignment]
+
+
+def _in_short(one: Verdict) -> str:
+    if not one.feasible:
+        return f"no: {one.reason}"
+    flux = one.flux if one.deliverable_flux is None else one.deliverable_flux
+    kind = "flux" if one.deliverable_flux is None else "deliverable flux"
+    return f"{one.inertia:.4g} kg, {one.speed:.4g} m/s, {kind} {flux:.4g} m/s; {one.reason}"

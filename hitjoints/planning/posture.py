@@ -20,6 +20,7 @@ from hitjoints.planning.proof.certificate import certify
 from hitjoints.planning.search.groups import search
 from hitjoints.planning.search.sampler import Sampler
 from hitjoints.planning.task import Task
+from hitjoints.told import Told
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -27,8 +28,8 @@ if TYPE_CHECKING:
     from hitjoints.model.robot import Robot
 
 
-@dataclass(frozen=True, eq=False)
-class Posture:
+@dataclass(frozen=True, eq=False, repr=False)
+class Posture(Told):
     """The posture of greatest inertia for given q_1 .. q_{k-1}.
 
     Attributes:

@@ -15,6 +15,7 @@ from hitjoints.planning.acceleration import accelerated
 from hitjoints.programs.hitting_speed import solve_hitting_speed, step_bounds
 from hitjoints.programs.problem import Program
 from hitjoints.programs.solver import solve
+from hitjoints.told import Told
 from hitjoints.tolerances import rank_floor, told_apart
 from hitjoints.vectors import unit
 
@@ -40,8 +41,8 @@ WITHIN = 1.0 - 1e-9
 """Share of the velocity limits used, so that differences of rounded positions stay within them."""
 
 
-@dataclass(frozen=True, eq=False)
-class Start:
+@dataclass(frozen=True, eq=False, repr=False)
+class Start(Told):
     """The start of a hit and the way from there.
 
     Attributes:
@@ -68,6 +69,12 @@ class Start:
     velocity_ratio_max: float
     feasible: bool
     reason: str
+
+    @property
+    def words(self) -> str:
+        """Where it is, in a line."""
+        state = f"; {self.reason}" if self.reason else ""
+        return f"{self.run_up:.3g} m behind the object, for {self.speed:.4g} m/s{state}"
 
     def as_dict(self) -> dict[str, Any]:
         """Return the attributes by name, arrays as lists."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.datasets.describe import origin
+from hitjoints.told import Told
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -46,8 +47,8 @@ UNITS = {
 """Unit and long name of every array."""
 
 
-@dataclass(frozen=True, eq=False)
-class Rollouts:
+@dataclass(frozen=True, eq=False, repr=False)
+class Rollouts(Told):
     """What N rollouts come to; every array has a row for each, nan where there is no impact.
 
     Attributes:
@@ -103,6 +104,19 @@ class Rollouts:
     torque_ratio_max: Array
     acceleration_ratio_max: Array
     parameters: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def words(self) -> str:
+        """What they come to, in a line."""
+        made, sent = (sum(not one for one in row) for row in (self.reason, self.why))
+        return f"{len(self.hits)} of {self.robot.name}: {made} hit, {sent} can be sent"
+
+    def lines(self) -> list[tuple[str, object]]:
+        """Return what is in the middle of them."""
+        names = ("time", "miss", "direction_error", "inertia", "speed", "flux", "steps")
+        rows = [(name, np.asarray(getattr(self, name), dtype=float)) for name in names]
+        known = [(name, row[np.isfinite(row)]) for name, row in rows]
+        return [(f"{name}, median", np.median(row) if row.size else None) for name, row in known]
 
     def __len__(self) -> int:
         """Return how many they are."""

@@ -11,6 +11,7 @@ import numpy as np
 
 from hitjoints.datasets.describe import origin
 from hitjoints.plotted import Plotted
+from hitjoints.told import Told
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -47,8 +48,8 @@ VARIABLES = {
 """Unit, long name and further dimensions of every variable along time."""
 
 
-@dataclass(frozen=True, eq=False)
-class Rollout(Plotted):
+@dataclass(frozen=True, eq=False, repr=False)
+class Rollout(Told, Plotted):
     """A hit from its start to its end.
 
     Attributes:
@@ -80,6 +81,24 @@ class Rollout(Plotted):
     rows: dict[str, Array]
     step_times: Array = field(repr=False)
     parameters: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def words(self) -> str:
+        """What it comes to, in a line."""
+        said = f"{self.robot.name}, joint {self.hit.chosen_contact.joint}: "
+        at = self.impact
+        if at is None or self.reason:
+            return f"{said}no hit: {self.reason}"
+        return (
+            f"{said}flux {at.flux:.4g} of {self.hit.desired_flux:.4g} m/s after {at.time:.3f} s, "
+            f"{1e3 * at.miss:.2g} mm and {at.direction_error:.2g} degrees off"
+        )
+
+    def lines(self) -> list[tuple[str, object]]:
+        """Return what of it counts."""
+        said = self.as_dict()
+        told = {name: said[name] for name in said if not isinstance(said[name], (dict, list))}
+        return [*(said["impact"] or {}).items(), *told.items()]
 
     @property
     def velocity_ratio_max(self) -> float:

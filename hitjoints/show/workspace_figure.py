@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hitjoints.errors import InputError
+from hitjoints.maps.map_kinds import MOTION, WORKSPACE, kind_of
 from hitjoints.show.drawn_arm import chain
 from hitjoints.show.sheet import Sheet, fitted
 from hitjoints.show.style import Look, colour_of
@@ -19,15 +20,22 @@ if TYPE_CHECKING:
     from hitjoints.model.robot import Robot
 
 PANELS = {
-    "inertia_median": (r"median inertia $\lambda_h$ (kg)", "viridis", "heaviest"),
-    "flux": (r"greatest flux $\phi_{\max}$ (m/s)", "inferno", "hits hardest"),
+    WORKSPACE.name: {
+        "inertia_median": (r"median inertia $\lambda_h$ (kg)", "viridis", "heaviest"),
+        "flux": (r"greatest flux $\phi_{\max}$ (m/s)", "inferno", "hits hardest"),
+    },
+    MOTION.name: {
+        "inertia": (r"inertia at the impact $\lambda_h$ (kg)", "viridis", "heaviest"),
+        "flux": (r"delivered flux $\phi$ (m/s)", "inferno", "hits hardest"),
+    },
 }
+"""Of each kind of map: variables, their label, colours, and what the joint of the most is."""
 UNREACHABLE = "#d9d9d9"
 TICKS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 3, 5, 7, 10, 15, 20, 30, 50, 100, 200)
 
 
 def draw_workspace(robot: Robot, swept: Dataset, look: Look, direction: int = 0) -> Sheet:
-    """Return the figure of a `sweep_workspace` data set for one of its directions.
+    """Return the figure of a map, of what is possible or of motions, for one of its directions.
 
     A map of one layer is drawn as it is; of a thicker one, the middle layer of the axis with the
     fewest coordinates. Hatched grey is out of reach; the line is the arm at home.
@@ -45,18 +53,20 @@ def draw_workspace(robot: Robot, swept: Dataset, look: Look, direction: int = 0)
         size = size[0], size[0] / 2 * (aspect + 0.05) * panels + 1.0
     figure = Sheet(look, figsize=size)
     grid = figure.subplots(*((2, panels) if wide else (panels, 2)), sharex=True, sharey=True)
-    for row, name in zip(grid if wide else grid.T, PANELS, strict=True):
+    kind = kind_of(swept.attrs)
+    for row, name in zip(grid if wide else grid.T, PANELS[kind.name], strict=True):
         _draw_row(figure, row, swept, name, direction, wide)
     for axis in grid.flat:
         _draw_arm(axis, robot, ("xyz".index(across), "xyz".index(up)))
         axis.label_outer()
-    _legend(figure, joints)
+    _legend(figure, joints, "no motion hits" if kind is MOTION else "out of reach")
     h = ", ".join(f"{v:.3g}" for v in swept.direction_vector.values[direction])
     middle = swept.sizes[layer] // 2
+    tried = "motions" if kind is MOTION else "configurations"
     figure.headline(
         f"{swept.attrs['robot']}: object of {swept.attrs['mass']:g} kg hit along ({h}), "
         f"{layer} = {float(swept[layer][middle]):.3g} m, "
-        f"{swept.attrs['samples']} configurations per position"
+        f"{swept.attrs['tries' if kind is MOTION else 'samples']} {tried} per position"
     )
     return figure
 
@@ -65,7 +75,7 @@ def _draw_row(
     figure: Sheet, row: Any, swept: Dataset, name: str, direction: int, wide: bool
 ) -> None:
     """Draw a quantity of each joint, with one scale, and the joint that has most of it."""
-    label = PANELS[name][0]
+    label = _panel(swept, name)[0]
     joints = [int(k) for k in swept.joint.values]
     for axis, k in zip(row, joints, strict=False):
         drawn, ends = draw_quantity(axis, swept, name, k, direction)
@@ -80,7 +90,7 @@ def _draw_row(
 def draw_quantity(
     axis: Axes, swept: Dataset, name: str, joint: int, direction: int = 0
 ) -> tuple[Any, dict[str, Any]]:
-    """Draw "inertia_median" or "flux" of a joint, on a scale that all joints share.
+    """Draw a quantity of `PANELS` of a joint, on a scale that all joints share.
 
     Returns:
         what is drawn, for a colour bar; the bar's ends and ticks.
@@ -91,7 +101,7 @@ def draw_quantity(
     _frame(axis, cut, across, up)
     drawn = axis.pcolormesh(
         cut[across], cut[up], np.ma.masked_invalid(values.values), shading="nearest",
-        cmap=PANELS[name][1], rasterized=True, **scale,
+        cmap=_panel(swept, name)[1], rasterized=True, **scale,
     )  # fmt: skip
     axis.set_title(f"joint {joint}")
     return drawn, ends
@@ -104,7 +114,11 @@ def draw_best(axis: Axes, swept: Dataset, name: str = "flux", direction: int = 0
     values = cut[name].transpose("joint", up, across).values
     joints = [int(k) for k in swept.joint.values]
     draw_winners(axis, cut[across].values, cut[up].values, values, joints)
-    axis.set_title(PANELS[name][2])
+    axis.set_title(_panel(swept, name)[2])
+
+
+def _panel(swept: Dataset, name: str) -> tuple[str, str, str]:
+    return PANELS[kind_of(swept.attrs).name][name]
 
 
 def _cut(swept: Dataset, direction: int) -> tuple[Dataset, str, str]:
@@ -143,21 +157,19 @@ def _shared_scale(name: str, values: Any) -> tuple[dict[str, Any], dict[str, Any
 
     finite = values[np.isfinite(values) & (values > 0)]
     low, high = np.percentile(finite, (1, 98)) if finite.size else (0.1, 1.0)
-    if name == "inertia_median":
+    if name.startswith("inertia"):
         ticks = [tick for tick in TICKS if low <= tick <= high]
         return {"norm": LogNorm(low, max(high, 1.01 * low))}, {"extend": "both", "ticks": ticks}
     return {"norm": Normalize(0.0, high)}, {"extend": "max"}
 
 
-def _legend(figure: Sheet, joints: list[int]) -> None:
+def _legend(figure: Sheet, joints: list[int], absent: str) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     handles: list[Any] = [Patch(color=colour_of(k), label=f"joint {k}") for k in joints]
     handles.append(Patch(facecolor="white", edgecolor="grey", hatch=STRIPES, label=TIES))
-    handles.append(
-        Patch(facecolor=UNREACHABLE, hatch="////", edgecolor="white", label="out of reach")
-    )
+    handles.append(Patch(facecolor=UNREACHABLE, hatch="////", edgecolor="white", label=absent))
     handles.append(Line2D([], [], color="black", marker="s", label="arm at home"))
     figure.key(handles)
 

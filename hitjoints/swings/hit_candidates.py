@@ -28,8 +28,10 @@ SLOW = 1e-3
 """m/s, least speed that such a way is told of."""
 NOT_CLEAR, NOT_BEFORE = "not clear at the impact", "not clear before the impact"
 GRAVITY, STANDS = "gravity", "the object is where the arm stands"
-BEST, AROUND = 6, 60
-"""Of the best configurations, so many each are looked at around them,"""
+BEST, AROUND, APART = 8, 48, 0.5
+"""Of the best configurations, these rad from each other, so many each are looked at around them,"""
+WORTH = 0.85
+"""provided that they deliver this share of the greatest flux;"""
 NEARBY = (0.3, 0.1)
 """rad, within so much of them: once for each."""
 GAIN = 1e-3
@@ -92,12 +94,12 @@ class HitCandidates:
 
     def improve(self) -> float:
         """Look around the best that are clear, and return the greatest flux (m/s) of such."""
-        best = self._best_clear()
+        best = self._best(clear=True)
         for near in NEARBY:
             if not best.size:
                 return 0.0
             self._look_around(best, near)
-            best = self._best_clear()
+            best = self._best(clear=True)
         return float(self.samples.flux[best].max(initial=0.0))
 
     def find_greatest(self) -> float:
@@ -108,16 +110,19 @@ class HitCandidates:
                 break
             before = self.greatest
             for near in NEARBY:
-                self._look_around(np.argsort(-self.samples.flux)[:BEST], near)
+                self._look_around(self._best(clear=False), near)
         return self.greatest
 
-    def _best_clear(self) -> NDArray[np.intp]:
+    def _best(self, *, clear: bool) -> NDArray[np.intp]:
+        """Return the best configurations that are not nearly the same."""
         found: list[int] = []
-        flux = self.samples.flux
+        q, flux = self.samples.q, self.samples.flux
         for row in np.argsort(-flux, kind="stable"):
-            if len(found) == BEST or flux[row] <= 0:
+            least = WORTH * flux[found[0]] if found else 0.0
+            if len(found) == BEST or flux[row] <= least:
                 break
-            if not self.clear(int(row))[1]:
+            apart = (np.abs(q[found] - q[row]).max(axis=1, initial=0.0) >= APART).all()
+            if apart and not (clear and self.clear(int(row))[1]):
                 found.append(int(row))
         return np.array(found, dtype=np.intp)
 

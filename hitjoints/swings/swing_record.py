@@ -17,6 +17,7 @@ from hitjoints.export.trajectory import Trajectory, write_trajectory
 from hitjoints.impact.shown_inertia import shown_inertia
 from hitjoints.plotted import Plotted
 from hitjoints.swings.motion_limits import greatest_ratios, torques
+from hitjoints.told import Told
 
 if TYPE_CHECKING:
     from hitjoints.hit import Hit
@@ -27,12 +28,18 @@ if TYPE_CHECKING:
 
 NOTED = ("hit", "impact_time", "flux", "unknown")
 """What of `as_dict` goes into a trajectory's file."""
+TOLD = (
+    *("sendable", "duration", "impact_time", "joint", "flux", "maximum_flux", "speed", "inertia"),
+    *("velocity_ratio_max", "acceleration_ratio_max", "jerk_ratio_max", "torque_ratio_max"),
+    *("clearance", "closest", "unknown"),
+)
+"""And into a table of it."""
 RESTING = 1e-12
 """rad/s, a velocity that is none."""
 
 
-@dataclass(frozen=True, eq=False)
-class Swing(Plotted):
+@dataclass(frozen=True, eq=False, repr=False)
+class Swing(Told, Plotted):
     """A motion from rest to rest that strikes on the way.
 
     Attributes:
@@ -214,13 +221,19 @@ class Swing(Plotted):
             "notes": list(self.notes),
         }
 
-    def __repr__(self) -> str:
-        """Say in a line what it does."""
+    @property
+    def words(self) -> str:
+        """What it does, in a line."""
         state = "sendable" if self.sendable else f"not sendable: {self.why}"
         return (
-            f"Swing({self.robot.name}, joint {self.hit.chosen_contact.joint}: flux "
-            f"{self.flux:.4g} m/s after {self.impact_time:.3f} s of {self.duration:.3f} s; {state})"
+            f"{self.robot.name}, joint {self.hit.chosen_contact.joint}: flux "
+            f"{self.flux:.4g} m/s after {self.impact_time:.3f} s of {self.duration:.3f} s; {state}"
         )
+
+    def lines(self) -> list[tuple[str, object]]:
+        """Return what of it counts."""
+        said = self.as_dict()
+        return [(name, said[name]) for name in TOLD]
 
     @property
     def trajectory(self) -> Trajectory:

@@ -72,6 +72,20 @@ def test_agrees_with_constrained_bodies(seed):
     assert found.spin[0] == pytest.approx(spin[2], rel=1e-9)
 
 
+def test_an_edge_that_would_slip_back_sticks():
+    """Hit so high, the box turns about its edge as about a hinge."""
+    mass, friction, height = 1.3, 0.5, 0.08
+    length, width, up = size = (0.1, 0.15, 0.2)
+    one = np.ones(1)
+    box = Boxes(mass * one, np.array(size), 0 * one, 0 * one, height, friction * one)
+    hinge = mass / 12 * (length**2 + up**2) + mass / 4 * (length**2 + up**2)
+    pitch = (height + up / 2) / hinge
+    along, lift = mass * pitch * up / 2, mass * pitch * length / 2
+    assert abs(1 - along) < friction * lift  # what friction has to bear, and may
+    assert box.response.pitch == pytest.approx([pitch], rel=1e-6)
+    assert box.response.velocity[0] == pytest.approx([pitch * up / 2, 0], rel=1e-6, abs=1e-9)
+
+
 def test_a_central_hit_is_that_of_the_paper():
     found = hit_boxes(boxes(mass=2.0), np.array([3.0]), np.array([0.8]), np.array([0.4]))
     assert found.velocity[0] == pytest.approx([1.4 * 3 / 5 * 0.8, 0])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import hitjoints as hj
-from hitjoints.errors import InputError
+from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.goals.landing import slide_after
 
 HERE = (0.5, 0.3, 0.5)
@@ -77,6 +77,19 @@ def test_bad_input_names_the_argument(arm, given, options, argument):
     with pytest.raises(InputError) as refused:
         hj.landing(robot, q, wanted(**given), **({"speed": 1.0} | options))
     assert refused.value.argument == argument
+
+
+def test_draws_that_would_slide_on_their_edge_count_as_lost(arm):
+    """One in a thousand that is steep does not refuse the hit; a hit that is steep itself does."""
+    hit = wanted(friction=0.7, size=(0.1, 0.1, 0.1), spread={"friction": 0.02})
+    told = hj.landing(*arm, hit, 1.0, samples=4000)
+    beyond = 0.5 * math.erfc(0.05 / 0.02 / math.sqrt(2))
+    assert told.lost == pytest.approx(beyond, abs=0.004)
+    assert told.lost > 0
+    assert len(told.samples) == round(4000 * (1 - told.lost))
+    assert told.within <= 1 - told.lost
+    with pytest.raises(InfeasibleError, match="slide on its edge"):
+        hj.landing(*arm, hit.changed(friction=0.8), 1.0)
 
 
 @pytest.mark.parametrize(

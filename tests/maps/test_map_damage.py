@@ -14,7 +14,7 @@ import xarray as xr
 import hitjoints as hj
 from hitjoints.datasets.lock import locked
 from hitjoints.errors import InputError
-from hitjoints.maps.map_layout import BLOCKWISE
+from hitjoints.maps.map_kinds import WORKSPACE
 
 AXES = (np.linspace(-0.3, 1.5, 5), np.linspace(-0.6, 0.6, 4), [0.3, 0.6])
 H = np.array([0.0, 1.0, 0.0])
@@ -84,7 +84,7 @@ def test_a_map_that_is_being_written_is_refused(robot, whole, tmp_path):
     sweep(robot, out)
 
 
-def chunks(store: Path, names=(*BLOCKWISE, "done")) -> list[Path]:
+def chunks(store: Path, names=(*WORKSPACE.blockwise, "done")) -> list[Path]:
     return [p for name in names for p in sorted((store / name / "c").rglob("*")) if p.is_file()]
 
 

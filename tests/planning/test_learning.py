@@ -6,6 +6,7 @@ import sys
 import numpy as np
 import pytest
 
+import hitjoints as hj
 from hitjoints.built import kernel_for
 from hitjoints.dynamics.kinematics import position
 from hitjoints.errors import InfeasibleError, InputError, MissingExtraError
@@ -179,3 +180,48 @@ def test_bad_arguments_are_named(learnt, argument, call):
     with pytest.raises(InputError) as caught:
         call(learnt)
     assert caught.value.argument == argument
+
+
+@pytest.fixture(scope="module")
+def map_of_motions(robot):
+    around = np.linspace(-0.7, 0.7, 9)
+    h = [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.6, 0.8]]
+    return hj.sweep_motion(
+        robot, around, around, [0.3, 0.5, 0.7], h, MASS, joints=[6], samples=20, tries=2
+    )
+
+
+def test_what_motions_deliver_is_learnt_from_a_map_of_them(robot, map_of_motions):
+    learnt = learn_feasibility(robot, 6, MASS, swept=map_of_motions)
+    part = map_of_motions.isel(joint=0)
+    axes = np.meshgrid(part.x, part.y, part.z, indexing="ij")
+    at = np.stack([axis.ravel() for axis in axes], axis=1)
+    right, sure, rng = [], [], np.random.default_rng(2)
+    for d, h in enumerate(part.direction_vector.values):
+        flux = np.nan_to_num(part.flux.isel(direction=d).values.ravel())
+        asked = rng.uniform(0.05, 1.0, flux.size)
+        found = learnt.probability(at, np.tile(h, (len(at), 1)), asked)
+        right += [(found > 0.5) == (flux >= asked)]
+        sure += [flux >= asked]
+    assert np.mean(right) > 0.85
+    assert 0.15 < np.mean(sure) < 0.6  # neither answer alone would do
+    place, h = np.array([0.5, 0.1, 0.5]), np.array([0.0, 1.0, 0.0])
+    proposed = learnt.propose(place, h, 3)
+    assert len(proposed)
+    for q in proposed:
+        np.testing.assert_allclose(hj.position(robot, q, 6), place, atol=1e-8)
+    assert learnt.provenance["hits"] == 9 * 9 * 3 * 3
+    again = learn_feasibility(robot, 6, MASS, swept=map_of_motions)
+    np.testing.assert_array_equal(again.layers[0], learnt.layers[0])
+
+
+def test_maps_that_do_not_fit_are_refused(robot, arm, map_of_motions):
+    for given, words in (
+        ((robot, 7, MASS), "joint 7"),
+        ((robot, 6, 2.5), "mass"),
+        ((arm("iiwa7"), 6, MASS), "robot"),
+    ):
+        with pytest.raises(InputError, match=words):
+            learn_feasibility(*given, swept=map_of_motions)
+    with pytest.raises(InputError, match="a map over object positions"):
+        learn_feasibility(robot, 6, MASS, swept=map_of_motions.drop_attrs())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -13,10 +15,19 @@ from hitjoints.errors import InputError
 from hitjoints.hitting.drive_limits import SHAPING, drive_limits
 from hitjoints.hitting.velocity_box import velocity_box
 from hitjoints.swings.clear_way import SHARP, Room
-from hitjoints.swings.curves import Motion, Standing, Stroke, line_between
-from hitjoints.swings.hit_samples import draw, folded, measured
-from hitjoints.swings.impact_state import impact_velocity, straightening
+from hitjoints.swings.curves import (
+    Motion,
+    Standing,
+    Stroke,
+    line_between,
+    slowing_down,
+    winding_up,
+)  # fmt: skip
+from hitjoints.swings.hit_candidates import HitCandidates
+from hitjoints.swings.hit_samples import draw, folded, measured, spread_out
+from hitjoints.swings.impact_state import StateAtHit, impact_velocity, straightening
 from hitjoints.swings.ramps import least_time, ramp_of
+from hitjoints.swings.wind_ups import WindUpFamilies
 
 SIZE = np.array([0.1, 0.1, 0.1])
 OBJECT, ALONG = np.array([0.5, 0.3, 0.5]), np.array([0.0, 1.0, 0.0])
@@ -269,3 +280,64 @@ def test_unknown_limits_are_said_and_never_assumed(arm):
             drive_limits(arm("iiwa14"), wrong)
         with pytest.raises(InputError, match="jerk"):
             drive_limits(arm("iiwa14"), 1.0, wrong)
+
+
+def test_swerves_leave_the_contacts_path_near_the_impact(arm):
+    """They add nothing sideways to what the least bending has, and are within accelerations."""
+    robot, hit = arm("panda"), hj.Hit(7, OBJECT, ALONG, 2.0, 0.2)
+    limits, rng = drive_limits(robot), np.random.default_rng(9)
+    samples = measured(robot, hit, limits, draw(robot, hit, robot.home, 0))
+    across = np.linalg.svd(ALONG[None])[2][1:]
+    for row in np.argsort(-samples.flux)[:5]:
+        J, speed = samples.J[row], 0.5 * samples.flux[row]
+        qd = impact_velocity(J, ALONG, samples.lower[row], samples.upper[row], speed)
+        families = WindUpFamilies(robot, hit, limits, StateAtHit(samples.q[row], qd, J, speed))
+        bent = families.straight().curvature[0]
+        swerves = families.swerving(rng).curvature
+        sideways = (across @ J @ (swerves - bent).T).T
+        np.testing.assert_allclose(sideways, 0.0, atol=1e-6)
+        assert np.abs(swerves - bent).max() > 0.1
+        assert (np.abs(swerves - bent) <= limits.acceleration).all()
+
+
+def test_looking_around_the_best_finds_better_ones(arm):
+    robot, hit = arm("iiwa14"), hj.Hit(6, OBJECT, ALONG, 2.0, size=SIZE)
+    room = Room(robot, 0.005, None, SIZE)
+    among = HitCandidates(robot, hit, drive_limits(robot), room, robot.home, 0)
+    first = max(f for i, f in enumerate(among.samples.flux) if not among.clear(i)[1])
+    best = among.improve()
+    assert best >= first
+    assert best <= among.greatest
+    for q in among.samples.q[-50:]:
+        np.testing.assert_allclose(position(robot, q, 6), OBJECT, atol=1e-8)
+        assert ((q >= robot.lower) & (q <= robot.upper)).all()
+    proved = hj.plan(robot, OBJECT, ALONG, 2.0, [6], "deliverable", away=False, certificate=False)
+    assert among.find_greatest() == pytest.approx(proved.best.deliverable_flux, rel=2e-3)
+
+
+def test_configurations_near_the_start_come_first(arm):
+    robot, hit = arm("iiwa14"), hj.Hit(7, OBJECT, ALONG, 2.0, 0.2)
+    samples = measured(robot, hit, drive_limits(robot), draw(robot, hit, robot.home, 0))
+    chosen = np.flatnonzero(samples.flux >= 0.2)
+    rows = list(spread_out(robot, hit, samples, chosen, robot.home, 5))
+    assert sorted(rows) == chosen.tolist()
+    idle = np.array([1.0] * 6 + [0.25])
+    far = (np.abs(samples.q - robot.home) * idle).max(axis=1)
+    assert far[rows[0]] == far[chosen].min()
+    assert (np.diff(far[rows[:5]]) >= 0).all()
+    for i, j in itertools.combinations(rows[:5], 2):
+        assert np.linalg.norm(samples.q[i] - samples.q[j]) >= 0.5
+    # Then the farthest from all before.
+    gaps = np.linalg.norm((samples.q[chosen][:, None] - samples.q[rows[:5]]) * idle, axis=2)
+    assert rows[5] == chosen[int(np.argmax(gaps.min(axis=1)))]
+
+
+def test_stops_are_the_wind_ups_run_backwards():
+    """Of the same curve and ramp, mirrored in time: q + v s + c s^2 / 2, the sign of s changed."""
+    rng = np.random.default_rng(10)
+    q, v, c = rng.standard_normal((3, 4))
+    ramp = ramp_of(rng.uniform(1.0, 2.0, 4), np.full(4, 5.0), np.full(4, 90.0))
+    t = rng.uniform(0.0, 2.2, (30, 1))
+    up, down = winding_up(q, v, c, ramp, -t), slowing_down(q, -v, c, 0.0, ramp, t)
+    for sign, one, other in zip((1, -1, 1, -1), up, down, strict=True):
+        np.testing.assert_allclose(other, sign * one, atol=1e-9)

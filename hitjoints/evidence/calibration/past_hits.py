@@ -16,6 +16,7 @@ from hitjoints.errors import InputError
 from hitjoints.evidence.calibration.landing_law import LEVEL, LandingInterval, LandingLaw
 from hitjoints.evidence.calibration.landing_rows import PastLanding, read
 from hitjoints.plotted import Plotted
+from hitjoints.told import Told
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -46,8 +47,8 @@ class HeldOut(NamedTuple):
     width: float
 
 
-@dataclass(frozen=True, eq=False)
-class Calibration(Plotted):
+@dataclass(frozen=True, eq=False, repr=False)
+class Calibration(Told, Plotted):
     """What past hits tell of an object.
 
     Attributes:

@@ -11,6 +11,7 @@ from hitjoints.evidence.paper import claims, desired_inertia, hits, joint_turn, 
 from hitjoints.evidence.paper.claim_rows import ClaimRow, Item, Values, rows_of
 from hitjoints.evidence.paper.scenario import Scenario
 from hitjoints.evidence.paper.variants import VARIANTS, variant
+from hitjoints.told import Told, brief
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -43,8 +44,8 @@ class Experiments:
     spread: Spread | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Reproduction:
+@dataclass(frozen=True, eq=False, repr=False)
+class Reproduction(Told):
     """The paper's numbers beside ours.
 
     Attributes:
@@ -58,6 +59,19 @@ class Reproduction:
     scenario: Scenario
     rows: tuple[ClaimRow, ...]
     experiments: Mapping[str, Experiments] = field(repr=False)
+
+    @property
+    def words(self) -> str:
+        """What was run, in a line."""
+        return f"{self.figure}: {len(self.rows)} numbers of the paper beside ours"
+
+    def lines(self) -> list[tuple[str, object]]:
+        """Return the paper's numbers and ours."""
+        said = [row.as_dict() for row in self.rows]
+        return [
+            (f"{row['figure']}, {row['quantity']}", f"{row['paper']}: {brief(row['iiwa14'])}")
+            for row in said
+        ]
 
     def as_dict(self) -> dict[str, Any]:
         """Return the table and the scenario as JSON knows them."""

@@ -25,23 +25,36 @@ FIRMER = 50
 """Settling times of the table in a contact's time: a table on which an edge does not sink in."""
 
 
-def build_scene(robot: Robot, impact: ImpactState, setting: EngineSetting) -> tuple[Any, Any]:
+def build_scene(
+    robot: Robot,
+    impact: ImpactState,
+    setting: EngineSetting,
+    steps: tuple[float, float] | None = None,
+) -> tuple[Any, Any]:
     """Return MuJoCo's model and data, the arm about to touch the box at its full speed.
 
     Only what is named collides: the sphere of the contact with the box, and the box's feet with
     the table. The sphere touches the box at the contact point and its centre lies behind it along
     the face's normal, so the force passes through both.
 
+    Args:
+        robot: the arm.
+        impact: the moment.
+        setting: how the hit is made.
+        steps: s, the engine's step and the time in which the table takes the weight; None: those
+            for the contact.
+
     Raises:
         ModelError: the engine refuses the arm.
     """
     mujoco = engine()
     spec = arm_spec(robot)
-    set_options(spec, setting.timestep)
+    timestep, settling = steps or (setting.timestep, setting.contact_time / FIRMER)
+    set_options(spec, timestep)
     if not setting.stands:
         spec.option.gravity = (0, 0, 0)
     axes, centre = impact.box_axes(setting), impact.box_centre(setting)
-    _add_contact(spec, robot, impact, axes[:, 0], setting.timestep)
+    _add_contact(spec, robot, impact, axes[:, 0], timestep)
     add_box(spec, centre, axes, impact.mass, setting.size)
     spec.body("box").add_site(name="face", pos=impact.face_point(setting))
     leaning = _leaning(robot, impact, setting)
@@ -49,7 +62,6 @@ def build_scene(robot: Robot, impact: ImpactState, setting: EngineSetting) -> tu
     spring = -leaning * spring[0], -leaning * spring[1]
     add_pair(spec, "contact", "box", setting.contact_friction, spring)
     if setting.stands:
-        settling = setting.contact_time / FIRMER
         add_table(spec, centre, setting.size, setting.friction, setting.support, settling)
     driven = list(robot.joint_names)
     if setting.stiffness:

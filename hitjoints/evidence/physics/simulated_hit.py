@@ -11,6 +11,7 @@ import numpy as np
 from hitjoints.evidence.physics.slide import turned
 from hitjoints.goals.box_rest import rest_at
 from hitjoints.plotted import Plotted
+from hitjoints.told import Told
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -71,8 +72,8 @@ class Cause:
     without: Strike
 
 
-@dataclass(frozen=True, eq=False)
-class Simulation(Plotted):
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulation(Told, Plotted):
     """A planned hit, predicted and simulated.
 
     Attributes:
@@ -125,6 +126,24 @@ class Simulation(Plotted):
             return None
         way = self.slide.rows["slide_position"][-1] - self.impact.box_centre(self.setting)
         return float(self.impact.direction @ way)
+
+    @property
+    def words(self) -> str:
+        """What it comes to, in a line."""
+        joint, off = self.impact.contact.joint, 100 * self.errors_of(self.strike)["object_speed"]
+        return (
+            f"{self.motion.robot.name}, joint {joint}, {self.mode}: the object leaves with "
+            f"{self.strike.object_speed:.4g} m/s, {off:+.2g} % of {self.predicted.object_speed:.4g}"
+        )
+
+    def lines(self) -> list[tuple[str, object]]:
+        """Return what was predicted and what came of it."""
+        told = asdict(self.predicted)
+        return [
+            (name, value if told.get(name) is None else f"{value:.4g}, predicted {told[name]:.4g}")
+            for name, value in self.simulated.items()
+            if value is not None
+        ]
 
     @property
     def simulated(self) -> dict[str, float | None]:

@@ -27,6 +27,7 @@ from hitjoints.loading.catalogue import robot_names
 from hitjoints.loading.load import load_robot
 from hitjoints.model.robot import Contact, Robot
 from hitjoints.plotted import Plotted
+from hitjoints.told import Told
 from hitjoints.vectors import positive_mass, unit
 
 if TYPE_CHECKING:
@@ -56,13 +57,22 @@ REMARKS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class Replay(Plotted):
+@dataclass(frozen=True, eq=False, repr=False)
+class Replay(Told, Plotted):
     """Recorded hits beside the model: `hits`, one per robot's file, in the order of the files."""
 
     drawn_by: ClassVar[str] = "replay"
 
     hits: tuple[ReplayedHit, ...]
+
+    @property
+    def words(self) -> str:
+        """What was replayed, in a line."""
+        return f"{len(self.hits)} hits, {len(self.usable)} of them usable"
+
+    def lines(self) -> list[tuple[str, object]]:
+        """Return what of each hit counts."""
+        return [(f"{one.file}, {one.robot}", "ok" if one.ok else one.reason) for one in self.hits]
 
     @cached_property
     def stiffness(self) -> FittedStiffness | None:

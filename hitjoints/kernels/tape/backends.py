@@ -125,7 +125,7 @@ def evaluate(
         rows: how many.
         threads: None for as many as help.
         iterations: at most this many rounds, of a program with states.
-        check: looks at rows start..stop of the input before they are evaluated.
+        check: looks at rows start..stop of the input, and may raise; nothing is returned then.
 
     Returns:
         (outputs, rows).
@@ -137,7 +137,7 @@ def evaluate(
     if rows:
         work = run.bind(inputs, out, iterations)
         if check is not None:
-            work = _in_turn(check, work)
+            work = _in_turn(work, check)
         rounds = min(iterations, USUAL_ROUNDS)
         over_rows(work, out.shape[1], threads, rounds * run.nanoseconds)
     return out[:, :rows]
@@ -165,14 +165,14 @@ def evaluate_points(run: Runnable, x: Array, shared: Array) -> Array:
 
 
 def _in_turn(
-    check: Callable[[int, int], None], work: Callable[[int, int], None]
+    work: Callable[[int, int], None], check: Callable[[int, int], None]
 ) -> Callable[[int, int], None]:
-    """Check and evaluate a few rows at a time: they are read from memory once."""
+    """Evaluate and check a few rows at a time: they are read from memory once."""
 
     def both(start: int, stop: int) -> None:
         for first in range(start, stop, IN_CACHE):
             last = min(first + IN_CACHE, stop)
-            check(first, last)
             work(first, last)
+            check(first, last)  # afterwards: work hides the wait for the memory, a check cannot
 
     return both

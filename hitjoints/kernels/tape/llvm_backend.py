@@ -50,7 +50,9 @@ def compile_function(text: str, signature: Any, effort: int = 2) -> tuple[Any, A
     module = llvm.parse_assembly(text)
     engine = llvm.create_mcjit_compiler(module, machine)
     engine.finalize_object()
-    return signature(engine.get_function_address("run")), (engine, module, machine)
+    function, keep = signature(engine.get_function_address("run")), (engine, module, machine)
+    function.keep = keep  # who holds the function alone has its code, too
+    return function, keep
 
 
 class LlvmProgram:

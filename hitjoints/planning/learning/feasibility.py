@@ -37,8 +37,8 @@ from hitjoints.datasets.describe import origin
 from hitjoints.datasets.files import check_writable, write_whole
 from hitjoints.errors import InfeasibleError, InputError, MissingExtraError
 from hitjoints.model.robot import Contact
-from hitjoints.planning.learning.greatest_flux import flux_of, maximum_flux, random_positions
 from hitjoints.planning.learning.similar_hits import features, turned
+from hitjoints.planning.learning.swept_hits import LEAST_SCALE, hits_of_map, sampled_hits
 from hitjoints.quantities import place_joint
 from hitjoints.vectors import points, real, unit
 
@@ -46,14 +46,12 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import ArrayLike
+    from xarray import Dataset
 
     from hitjoints.model.robot import Robot
     from hitjoints.types import Array
 
 ENDINGS = (".npz",)
-LEAST_SCALE = 1e-3  # of a feature that hardly varies
-NEIGHBOURS = 6  # similar hits whose configurations are tried to better the one of a hit
-ROUNDS = 3  # of that: what is found spreads
 FLUXES = 41  # from 0 to twice the greatest asked about, at which the network is asked
 QUESTIONS = 3  # fluxes asked about per hit of the sweep
 NETWORK: dict[str, Any] = {
@@ -209,6 +207,10 @@ class Feasibility:
 def load_feasibility(path: Path, robot: Robot) -> Feasibility:
     """Read what `Feasibility.save` wrote.
 
+    Args:
+        path: of the file.
+        robot: the arm that it was learnt with.
+
     Raises:
         InputError: no such file, not one of these, or learnt with another robot.
     """
@@ -238,8 +240,9 @@ def learn_feasibility(
     directions: int = 8,
     samples: int = 128,
     seed: int = 0,
+    swept: Dataset | None = None,
 ) -> Feasibility:
-    """Sweep the workspace of a contact and learn from it.
+    """Sweep the workspace of a contact and learn from it, or learn from a map.
 
     Args:
         robot: the arm.
@@ -249,6 +252,8 @@ def learn_feasibility(
         directions: random directions per position, at least 1.
         samples: configurations per position, at least 1.
         seed: of everything random. Same seed, same result.
+        swept: a map of `sweep_workspace`, or of `sweep_motion`: then what is learnt is the flux
+            that a motion delivers. It should span the positions and directions to be asked about.
 
     Raises:
         InputError: an argument cannot be used.
@@ -257,36 +262,25 @@ def learn_feasibility(
     """
     try:
         network = import_module("sklearn.neural_network").MLPClassifier
-        neighbours = import_module("sklearn.neighbors").NearestNeighbors
         limit_threads = import_module("threadpoolctl").threadpool_limits
     except ImportError:
         raise MissingExtraError("scikit-learn", "learn") from None
     contact = robot.contact(contact)
-    for name, value, least in (
-        ("positions", positions, 20), ("directions", directions, 1), ("samples", samples, 1)
-    ):  # fmt: skip
-        if value < least:
-            raise InputError(name, value, f"at least {least}")
+    counts: dict[str, Any] = {"positions": positions, "directions": directions, "samples": samples}
+    for name, least in (("positions", 20), ("directions", 1), ("samples", 1)):
+        if counts[name] < least:
+            raise InputError(name, counts[name], f"at least {least}")
     rng = np.random.default_rng(seed)
-    at = random_positions(robot, contact, positions, rng)
-    h = unit(rng.normal(size=(directions, positions, 3)).reshape(-1, 3))
-    flux, q = maximum_flux(robot, contact, mass, at, h, samples, seed)
-    at = np.tile(at, (directions, 1))
-    hits, azimuth = features(robot, at, h)
-    reached = np.flatnonzero(flux > 0)
+    if swept is None:
+        found = sampled_hits(robot, contact, mass, (positions, directions, samples), rng, seed)
+    else:
+        found = hits_of_map(robot, contact, mass, swept)
+        counts = {"map": swept.attrs.get("command") or "swept", "hits": len(found.flux)}
+    flux, reached = found.flux, np.flatnonzero(found.flux > 0)
     if reached.size < 2:
         raise InfeasibleError(f"joint {contact.joint} of {robot.name} cannot produce any flux")
-    q[reached] = turned(robot, q[reached], -azimuth[reached], limited=False)
-    scale = np.maximum(hits.std(axis=0), LEAST_SCALE)
-    count = min(NEIGHBOURS, reached.size - 1)
-    similar = neighbours(n_neighbors=count).fit(hits[reached] / scale).kneighbors()[1]
-    for column in np.tile(similar, ROUNDS).T:
-        start = turned(robot, q[reached[column]], azimuth[reached])
-        better = place_joint(robot, contact, at[reached], seed, start=start)
-        gained = flux_of(robot, contact, mass, better.q, h[reached])
-        won = better.solved & (gained > flux[reached])
-        flux[reached[won]] = gained[won]
-        q[reached[won]] = turned(robot, better.q[won], -azimuth[reached[won]], limited=False)
+    hits, azimuth = features(robot, found.at, found.h)
+    q = turned(robot, found.q[reached], -azimuth[reached], limited=False)
     top = 1.05 * float(np.quantile(flux[reached], 0.99))
     asked = rng.uniform(0.0, top, QUESTIONS * len(flux))
     x = np.column_stack([np.tile(hits, (QUESTIONS, 1)), asked])
@@ -299,9 +293,7 @@ def learn_feasibility(
         part for pair in zip(trained.coefs_, trained.intercepts_, strict=True) for part in pair
     )
     provenance = {
-        "seed": seed, "positions": positions, "directions": directions, "samples": samples,
-        "layers": len(layers), "scikit-learn": metadata.version("scikit-learn"), **origin(robot),
+        "seed": seed, **counts, "layers": len(layers),
+        "scikit-learn": metadata.version("scikit-learn"), **origin(robot),
     }  # fmt: skip
-    return Feasibility(
-        robot, contact, mass, hits[reached], q[reached], layers, centre, spread, provenance
-    )
+    return Feasibility(robot, contact, mass, hits[reached], q, layers, centre, spread, provenance)

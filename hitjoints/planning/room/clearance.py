@@ -20,6 +20,7 @@ import numpy as np
 from hitjoints.errors import InputError
 from hitjoints.planning.room.shapes import scene_of
 from hitjoints.planning.start import approach_path
+from hitjoints.told import Told
 from hitjoints.vectors import points, unit
 
 if TYPE_CHECKING:
@@ -29,8 +30,8 @@ if TYPE_CHECKING:
     from hitjoints.types import Array
 
 
-@dataclass(frozen=True)
-class Clearance:
+@dataclass(frozen=True, repr=False)
+class Clearance(Told):
     """The least distances over a configuration or a path; negative is penetration.
 
     Attributes:
