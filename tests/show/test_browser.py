@@ -12,7 +12,9 @@ import hitjoints as hj
 from hitjoints.show.viewer.viewpoint import FIELD
 from tests.show.chromium import chromium, program
 
-pytestmark = pytest.mark.skipif(program() is None, reason="chromium is not installed")
+pytestmark = pytest.mark.skipif(
+    program() is None, reason="there is no chromium: .ci/browser installs one"
+)
 PORT = 18_200
 SIZE = 640, 300  # small: every picture is drawn by the processor
 HIT = {"restitution": 0.5, "friction": 0.06, "size": (0.16, 0.24, 0.16)}
