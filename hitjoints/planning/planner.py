@@ -31,7 +31,7 @@ from hitjoints.planning.room.surroundings import Surroundings
 from hitjoints.planning.start import Start, fastest_start, plan_start
 from hitjoints.planning.task import Task
 from hitjoints.planning.torque_cost import torque_cost
-from hitjoints.vectors import points, positive_mass, unit
+from hitjoints.vectors import LARGEST_SEED, points, positive_mass, unit, whole
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -114,8 +114,7 @@ def plan(  # noqa: PLR0913
     if flux is not None:
         check_flux(flux)
     mass = positive_mass(mass)
-    if seed < 0:
-        raise InputError("seed", seed, "a seed is not negative")
+    seed = whole(seed, "seed", 0, LARGEST_SEED)
     contacts = robot.contacts(joints)
     target, h = points(position, "position"), unit(direction)
     for name, vector in (("position", target), ("direction", h)):
