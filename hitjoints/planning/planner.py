@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hitjoints.counting import counted
 from hitjoints.datasets.describe import origin
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.first_argument import by_first_argument
@@ -127,7 +128,7 @@ def plan(  # noqa: PLR0913
     if wanted.stopping or request.deliverable:
         drive_limits(robot)  # are they known?
     found = []
-    for task in tasks:
+    for task in counted(tasks, "joints"):
         hinted = None if hints is None else hints.get(task.contact.joint)
         hinted = None if hinted is None else np.atleast_2d(robot.configuration(hinted, "hints"))
         demands = _demands(task, accept, surroundings)
