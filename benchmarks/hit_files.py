@@ -18,6 +18,53 @@ from hitjoints.errors import HitjointsError
 from hitjoints.hit_setting import RobotChoice
 
 LONGEST = 2000  # letters of a line
+SAID = """
+schema = 1
+[robot]
+source = "iiwa14"
+tip = "flange"
+lock = { finger = 0.1 }
+tool = "tool.toml"
+package_dirs = ["."]
+xacro_args = { name = "value" }
+[contact]
+joints = [6, 7]
+offset = [[0.0, 0.0, 0.03], [0.0, 0.01, 0.05]]
+[object]
+position = [0.5, 0.3, 0.5]
+mass = 2.0
+size = [0.1, 0.12, 0.1]
+yaw = 0.1
+restitution = 0.5
+friction = 0.3
+spread = { mass = 0.05, friction = 0.03, speed = 0.01 }
+[wish]
+goal = [0.5, 0.8, 0.5]
+[surroundings]
+object_size = [0.1, 0.1, 0.1]
+table_height = 0.4
+margin = 0.02
+[how]
+objective = "landing"
+deliverable = true
+away = false
+torque_limits = true
+seed = 3
+dt = 0.002
+q0 = [0.0, 0.1, 0.2, -0.3, 0.0, 0.0, 0.0]
+q_hit = [0.0, 0.1, 0.2, -0.3, 0.0, 0.0, 0.0]
+hits = 3
+tolerance = 0.04
+[limits]
+acceleration = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
+jerk = 100.0
+[impact]
+model = "elastic"
+contact_time = 0.01
+stiffness = 10000.0
+rotor_inertia = [0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5]
+"""
+"""A file that says all there is to say."""
 
 
 def judge(path: Path) -> tuple[bool, str]:
@@ -70,7 +117,8 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        read, wrong = run(NEW, Path(folder), asked.count, asked.seed)
+        found = [run(text, Path(folder), asked.count // 2, asked.seed) for text in (NEW, SAID)]
+    read, wrong = sum(one for one, _ in found), [line for _, lines in found for line in lines]
     print(f"{asked.count} files, seed {asked.seed}: {read} could be read; {len(wrong)} wrong")
     print("\n".join(wrong[:20]))
     sys.exit(bool(wrong))

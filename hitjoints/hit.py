@@ -20,7 +20,7 @@ from hitjoints.impact.flux import flux as flux_at
 from hitjoints.impact.flux import speed_for
 from hitjoints.model.robot import Contact
 from hitjoints.told import Told
-from hitjoints.vectors import positive_mass, unit
+from hitjoints.vectors import number, positive_mass, unit
 
 if TYPE_CHECKING:
     from hitjoints.model.robot import Robot
@@ -149,13 +149,7 @@ class Hit(Told):
         value = getattr(self, name)
         if value is None:
             return
-        try:
-            number = float(value)
-        except (TypeError, ValueError):
-            raise InputError(name, value, words) from None
-        if not (math.isfinite(number) and allowed(number)):
-            raise InputError(name, value, words)
-        self._set(name, number)
+        self._set(name, number(value, name, words, allowed))
 
     @property
     def words(self) -> str:

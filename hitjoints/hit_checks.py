@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hitjoints.errors import InputError, UnknownNameError
-from hitjoints.vectors import points
+from hitjoints.vectors import number, points
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -29,8 +28,8 @@ def check_flux(flux: float) -> None:
     Raises:
         InputError: not finite, or less than `LEAST_FLUX`.
     """
-    if not (math.isfinite(flux) and flux >= LEAST_FLUX):
-        raise InputError("flux", flux, f"a desired flux is finite and at least {LEAST_FLUX:g} m/s")
+    words = f"a desired flux is finite and at least {LEAST_FLUX:g} m/s"
+    number(flux, "flux", words, lambda value: value >= LEAST_FLUX)
 
 
 def vector_of(values: ArrayLike | None, name: str) -> Array:
@@ -64,11 +63,6 @@ def spread_of(spread: Mapping[str, float]) -> dict[str, float]:
     for name, value in spread.items():
         if name not in UNCERTAIN:
             raise UnknownNameError("spread", name, UNCERTAIN)
-        try:
-            number = float(value)
-        except (TypeError, ValueError):
-            number = math.nan
-        if not (math.isfinite(number) and number >= 0):
-            raise InputError(f"spread {name}", value, "a standard deviation is finite and >= 0")
-        checked[name] = number
+        words = "a standard deviation is finite and >= 0"
+        checked[name] = number(value, f"spread {name}", words, lambda value: value >= 0)
     return checked

@@ -6,6 +6,7 @@ import html
 import json
 import re
 import zipfile
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,11 @@ from hitjoints.errors import InputError
 
 BEGINS = '{"schema": 1, '
 LARGEST = 2**28  # bytes
+DAMAGED = (
+    *(OSError, ValueError, LookupError, EOFError, RuntimeError, TypeError),
+    *(zipfile.BadZipFile, zlib.error),
+)
+"""What readers raise where a file is not what its name says."""
 ENDINGS = (".json", ".csv", ".npz", ".yaml", ".nc", ".zarr", ".png", ".pdf", ".svg")
 """Of plans, answers, trajectories, data sets and figures."""
 
@@ -31,14 +37,7 @@ def tables_in(path: Path) -> Any:
         if not whole.is_file() or whole.stat().st_size > LARGEST:
             raise InputError("hit", path, "a file that hitjoints wrote is needed")
         found = _READERS.get(path.suffix, _in_text)(whole)
-    except (
-        OSError,
-        ValueError,
-        LookupError,
-        EOFError,
-        RecursionError,
-        zipfile.BadZipFile,
-    ) as error:
+    except DAMAGED as error:
         if isinstance(error, InputError):
             raise
         raise InputError("hit", path, f"it cannot be read ({error})") from None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -14,7 +13,7 @@ from hitjoints.impact.drives import RIGID, Drives
 from hitjoints.loading.catalogue import robot_names
 from hitjoints.loading.load import load_robot
 from hitjoints.model.robot import Contact, Robot
-from hitjoints.vectors import positive_per_joint
+from hitjoints.vectors import number, positive_per_joint, whole
 
 Offset = tuple[float, float, float]
 MOST_HITS = 6
@@ -129,10 +128,8 @@ class HitSetting:
     tolerance: float = TOLERANCE
 
     def __post_init__(self) -> None:
-        if not 1 <= self.hits <= MOST_HITS or self.hits != int(self.hits):
-            raise InputError("hits", self.hits, f"a whole number from 1 to {MOST_HITS}")
-        if not (math.isfinite(self.tolerance) and self.tolerance > 0):
-            raise InputError("tolerance", self.tolerance, "it is above 0 m")
+        whole(self.hits, "hits", 1, MOST_HITS)
+        number(self.tolerance, "tolerance", "it is above 0 m", lambda value: value > 0)
         if for_each(self.offset):
             count = len(self.joints or ())
             if len(self.offset or ()) != count:

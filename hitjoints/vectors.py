@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -62,13 +63,33 @@ def positive_mass(mass: object) -> float:
     Raises:
         InputError: it is not one finite number above 0.
     """
+    return number(mass, "mass", "an object weighs more than 0 kg", lambda value: value > 0)
+
+
+def number(
+    value: object,
+    argument: str,
+    expected: str,
+    allowed: Callable[[float], bool] = math.isfinite,
+) -> float:
+    """Return one finite number.
+
+    Args:
+        value: anything.
+        argument: what to call it when it is refused.
+        expected: what would be right.
+        allowed: tells whether it may be this one.
+
+    Raises:
+        InputError: it is no finite number, or not allowed.
+    """
     try:
-        number = float(mass)  # type: ignore[arg-type]
+        found = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
-        number = math.nan
-    if not (math.isfinite(number) and number > 0):
-        raise InputError("mass", mass, "an object weighs more than 0 kg")
-    return number
+        found = math.nan
+    if not (math.isfinite(found) and allowed(found)):
+        raise InputError(argument, value, expected)
+    return found
 
 
 def whole(value: object, argument: str, least: int, most: int) -> int:

@@ -1,5 +1,6 @@
 """Every result keeps its hit, and the hit makes the same result again, to the last bit."""
 
+import contextlib
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -160,3 +161,20 @@ def test_a_sweep_keeps_its_hit(arm, tmp_path):
         joints=kept.setting.joints, count=3, start=kept.setting.q0, seed=kept.setting.seed,
     )  # fmt: skip
     assert again.identical(swept)
+
+
+def test_a_damaged_data_set_is_refused_in_a_line(rolled, tmp_path):
+    path = tmp_path / "rollout.nc"
+    write_dataset(rolled.dataset, path)
+    whole = path.read_bytes()
+    chance, refused = np.random.default_rng(0), 0
+    for _ in range(40):
+        damaged = bytearray(whole)
+        for place in chance.integers(0, 3000, 20):
+            damaged[place] = int(chance.integers(256))
+        path.write_bytes(damaged)
+        with contextlib.suppress(InputError):
+            hj.load_hit(path)
+            continue
+        refused += 1
+    assert refused > 20

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +14,7 @@ from hitjoints.goals.leaning import turned
 from hitjoints.goals.slide_path import SlidePath
 from hitjoints.goals.sliding import Support, slide_steps
 from hitjoints.told import Told
+from hitjoints.vectors import number, whole
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from hitjoints.model.robot import Robot
     from hitjoints.types import Array
 
-SAMPLES = 1000
+SAMPLES, MOST_SAMPLES = 1000, 1_000_000
 LEVEL = 1e-3
 """Greatest vertical part of a direction that counts as level."""
 POINT_SIZE = (1e-3, 1e-3, 1e-3)
@@ -111,10 +111,8 @@ def landing(  # noqa: PLR0913
     """
     _check(hit, speed)
     tolerance = hit.setting.tolerance if tolerance is None else tolerance
-    if not (math.isfinite(tolerance) and tolerance > 0):
-        raise InputError("tolerance", tolerance, "it is above 0 m")
-    if samples < 2:
-        raise InputError("samples", samples, "at least 2")
+    tolerance = number(tolerance, "tolerance", "it is above 0 m", lambda value: value > 0)
+    samples = whole(samples, "samples", 2, MOST_SAMPLES)
     drawn = _draw(hit, samples, seed)
     kept = _boxes(hit, drawn, off_centre, height, support).on_the_face
     kept[0] = True  # the hit that was asked for is refused if it misses
@@ -179,8 +177,7 @@ def _check(hit: Hit, speed: float) -> None:
     for name in ("restitution", "friction"):
         if getattr(hit, name) is None:
             raise InputError(name, None, "where the object lands depends on it")
-    if not (math.isfinite(speed) and speed > 0):
-        raise InputError("speed", speed, "the contact moves at more than 0 m/s")
+    number(speed, "speed", "the contact moves at more than 0 m/s", lambda value: value > 0)
 
 
 def _boxes(

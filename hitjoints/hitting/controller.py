@@ -9,7 +9,6 @@ Use it in any loop that commands joint velocities:
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -30,7 +29,7 @@ from hitjoints.hitting.step_tape import Setting
 from hitjoints.hitting.torque_limits import TorqueLimits
 from hitjoints.programs.joint_velocity import reachable_speed
 from hitjoints.programs.torque_rows import any_torque
-from hitjoints.vectors import real
+from hitjoints.vectors import number, real
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -95,8 +94,8 @@ class Controller:
         acceleration_limits: bool | ArrayLike = False,
         compiled: bool = True,
     ) -> None:
-        if not (math.isfinite(dt) and SHORTEST <= dt <= 1.0 / RATE):
-            raise InputError("dt", dt, f"a step of {SHORTEST:g} s to {1 / RATE:g} s")
+        words = f"a step of {SHORTEST:g} s to {1 / RATE:g} s"
+        dt = number(dt, "dt", words, lambda value: SHORTEST <= value <= 1.0 / RATE)
         if reference not in ("constant", "optimised"):
             raise UnknownNameError("reference", reference, ("constant", "optimised"))
         if not ((robot.velocity_lower <= 0) & (robot.velocity_upper >= 0)).all():

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from hitjoints.errors import InfeasibleError, InputError
-from hitjoints.vectors import points, real
+from hitjoints.vectors import number, points, real
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -158,8 +158,7 @@ class HittingField:
             InputError: an argument is out of its range.
         """
         tolerance = _positive("tolerance", tolerance)
-        if not (math.isfinite(lateral) and lateral >= 0):
-            raise InputError("lateral", lateral, "a length in m, not below zero")
+        number(lateral, "lateral", "a length in m, not below zero", lambda value: value >= 0)
         if lateral <= tolerance:
             return 0.0
         across = np.linalg.svd(self.direction[None, :])[2][1:]
@@ -203,13 +202,7 @@ def _one(position: ArrayLike) -> Vector:
 
 
 def _positive(name: str, value: Any) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise InputError(name, value, "a number above zero") from None
-    if not (math.isfinite(number) and number > 0):
-        raise InputError(name, value, "a finite number above zero")
-    return number
+    return number(value, name, "a finite number above zero", lambda found: found > 0)
 
 
 def _negative_definite(A: ArrayLike) -> Vector:

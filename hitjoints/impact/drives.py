@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
-from hitjoints.errors import InputError, UnknownNameError
+from hitjoints.errors import UnknownNameError
 from hitjoints.impact.rotor import with_rotors
+from hitjoints.vectors import number
 
 if TYPE_CHECKING:
     from hitjoints.model.robot import Robot
@@ -41,10 +41,9 @@ class Drives:
     def __post_init__(self) -> None:
         if self.model not in MODELS:
             raise UnknownNameError("impact", self.model, MODELS)
-        if not (math.isfinite(self.contact_time) and self.contact_time > 0):
-            raise InputError("contact_time", self.contact_time, "it is finite and above 0 s")
-        if not 0 <= self.restitution <= 1:
-            raise InputError("restitution", self.restitution, "it lies from 0 to 1")
+        words = "it is finite and above 0 s"
+        number(self.contact_time, "contact_time", words, lambda value: value > 0)
+        number(self.restitution, "restitution", "it lies from 0 to 1", lambda v: 0 <= v <= 1)
         for name in ("stiffness", "rotor_inertia"):
             object.__setattr__(self, name, _plain(getattr(self, name)))
 

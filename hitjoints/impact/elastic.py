@@ -16,7 +16,7 @@ from hitjoints.impact.restitution import contact_spring
 from hitjoints.impact.rotor import known_rotors, known_stiffness, per_joint
 from hitjoints.impact.spring_arm import Parted, SpringArm, second_contact
 from hitjoints.told import Told
-from hitjoints.vectors import unit
+from hitjoints.vectors import number, unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -120,8 +120,7 @@ def elastic_impact(  # noqa: PLR0913
     if h.ndim != 1:
         raise InputError("direction", f"{len(h)} rows", "one direction")
     for name, value in (("mass", mass), ("speed", speed), ("contact_time", contact_time)):
-        if not (np.isfinite(value) and value > 0):
-            raise InputError(name, value, "it must be finite and above 0")
+        number(value, name, "it must be finite and above 0", lambda found: found > 0)
     try:
         proportional, derivative = servo if servo is not None else (0.0, 0.0)
     except (TypeError, ValueError):

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 
-from hitjoints.errors import InputError
+from hitjoints.vectors import number
 
 LEAST = 1e-4
 """Restitution that stands for 0: for 0 itself the damping would be infinite."""
@@ -29,8 +29,7 @@ def check_restitution(restitution: float) -> None:
     Raises:
         InputError: it does, or is no number.
     """
-    if not 0 <= restitution <= 1:
-        raise InputError("restitution", restitution, "it must lie from 0 to 1")
+    number(restitution, "restitution", "it must lie from 0 to 1", lambda value: 0 <= value <= 1)
 
 
 def restitution_of(damping_ratio: float) -> float:

@@ -17,7 +17,7 @@ from hitjoints.programs.problem import Program
 from hitjoints.programs.solver import solve
 from hitjoints.told import Told
 from hitjoints.tolerances import rank_floor, told_apart
-from hitjoints.vectors import unit
+from hitjoints.vectors import number, unit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -123,8 +123,7 @@ def plan_start(  # noqa: PLR0913
         return _from_rest(robot, q, contact, direction, speed, run_up, lateral, dt, kept)
     h, here = unit(direction), position(robot, q, contact)
     speed, dt = _positive("speed", speed), _positive("dt", dt)
-    if not (math.isfinite(lateral) and lateral >= 0):
-        raise InputError("lateral", lateral, "a length in m, not below zero")
+    number(lateral, "lateral", "a length in m, not below zero", lambda value: value >= 0)
     field = HittingField(here, speed * h)
     needed = field.distance_to_settle(max(lateral, ALLOWANCE), AIM)
     wanted = needed if run_up is None else _positive("run_up", run_up)
@@ -308,6 +307,4 @@ def _obstacle(robot: Robot, q: Array, contact: Contact, h: Array, speed: float, 
 
 
 def _positive(name: str, value: float) -> float:
-    if not (math.isfinite(value) and value > 0):
-        raise InputError(name, value, "a finite number above zero")
-    return float(value)
+    return number(value, name, "a finite number above zero", lambda found: found > 0)

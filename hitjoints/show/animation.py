@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hitjoints.counting import counted
 from hitjoints.datasets.files import check_writable, write_whole
 from hitjoints.show.drawn_arm import BoxAt, add_ground, arm_picture, chain
 from hitjoints.show.sheet import Sheet
@@ -54,7 +55,7 @@ def save_animation(result: Simulation, path: Path) -> None:
             figure = Sheet(look, figsize=(WIDTH, WIDTH * up / across + 0.4))
             axis = figure.add_subplot()
             with writer.saving(figure, str(made), dpi=DOTS):
-                for time in film.times:
+                for time in counted(film.times, "pictures"):
                     axis.clear()
                     film.draw(axis, time)
                     writer.grab_frame()

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.errors import InputError
 from hitjoints.first_argument import by_first_argument
 from hitjoints.hit import Hit
 from hitjoints.hitting.drive_limits import drive_limits
@@ -15,6 +13,7 @@ from hitjoints.planning.plan_record import Plan
 from hitjoints.planning.planner import plan_hit
 from hitjoints.swings.clear_way import Room
 from hitjoints.swings.swing_search import SwingSearch
+from hitjoints.vectors import number
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -88,10 +87,9 @@ def swing(  # noqa: PLR0913
     how = hit.setting
     dt = DT if how.dt is None else how.dt
     margin = MARGIN if how.margin is None else how.margin
-    if not (math.isfinite(dt) and SHORTEST <= dt <= LONGEST):
-        raise InputError("dt", dt, f"a spacing of {SHORTEST:g} s to {LONGEST:g} s")
-    if not math.isfinite(margin):
-        raise InputError("margin", margin, "a finite distance in metres")
+    words = f"a spacing of {SHORTEST:g} s to {LONGEST:g} s"
+    dt = number(dt, "dt", words, lambda value: SHORTEST <= value <= LONGEST)
+    margin = number(margin, "margin", "a finite distance in metres")
     limits = drive_limits(robot, how.acceleration, how.jerk)
     start = robot.within_limits(robot.home if how.q0 is None else how.q0, "q0")
     size = np.array(SIZE) if hit.size is None else hit.size

@@ -102,19 +102,25 @@ class SwingSearch:
                 f"be delivered from rest with joint {self.contact.joint} at the object",
                 {"maximum_flux": self.best, "flux": wanted},
             )
-        if first is not None:
-            most = float(among.samples.flux[0])
-            if most >= SHORT * (wanted or 0.0):
-                for struck in self._strikes([0], min(wanted or most, most), 1, strict=False):
-                    found = self._checked(struck)
-                    if found is not None:
-                        return found
-            reason = ", ".join(self.reasons) or f"it delivers {most:.3g} m/s at most"
-            self.notes.append(f"no swing from the q_hit asked for ({reason}): another is taken")
-        found = self._fastest() if wanted is None else self._wanted(wanted)
+        found = None if first is None else self._given(wanted)
+        if found is None:
+            found = self._fastest() if wanted is None else self._wanted(wanted)
         if found is None:
             raise self._refusal(wanted)
         return found
+
+    def _given(self, wanted: float | None) -> Swing | None:
+        """Return a swing from the first configuration, or note that there is none."""
+        most = float(self.among.samples.flux[0])
+        asked = [share * most for share in LEVELS] if wanted is None else [min(wanted, most)]
+        for flux in asked if most >= SHORT * (wanted or 0.0) else []:
+            for struck in self._strikes([0], flux, 1, strict=False):
+                found = self._checked(struck)
+                if found is not None:
+                    return found
+        reason = ", ".join(self.reasons) or f"it delivers {most:.3g} m/s at most"
+        self.notes.append(f"no swing from the q_hit asked for ({reason}): another is taken")
+        return None
 
     def _wanted(self, flux: float) -> Swing | None:
         for strict in (True, False):

@@ -22,6 +22,8 @@ RUN_UPS = (0.055, 0.075, 0.11)
 """m, ways of the contact whose wind-ups are tried besides."""
 RUN_UP = 0.05
 """m, how far before the object the contact begins at least, and comes nearer all the time."""
+BETWEEN = 4
+"""Times between the slowest of the ones and the fastest of the others."""
 AT_LIMIT, BENDING = 0.97, 0.8
 """Share of its velocity limit above which a joint does not slow down towards the impact, and of the
 acceleration limits that bending may take."""
@@ -102,6 +104,10 @@ def _ramps(robot: Robot, limits: DriveLimits, strike: StateAtHit, *, individual:
         most = 2.0 * 0.99 * behind / size
     times = {least * factor for factor in FACTORS}
     times |= {2.0 * way / strike.speed for way in RUN_UPS}
+    # Near a stretched arm the contact moves ever faster the farther it is from the impact.
+    slowest, evenly = least * FACTORS[-1], 2.0 * RUN_UPS[0] / strike.speed
+    if slowest < evenly:
+        times |= set(np.geomspace(slowest, evenly, BETWEEN + 2)[1:-1].tolist())
     longest = FACTORS[-1] * max(least, 2.0 * RUN_UP / strike.speed)
     tried = np.array([T for T in sorted(times) if least <= T <= longest])[:, None]
     return ramp_of(np.minimum(tried, most), a, j)

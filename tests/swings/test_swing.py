@@ -73,9 +73,12 @@ def test_it_starts_where_it_is_told(arm):
 def test_a_plan_is_struck_in_its_configuration(arm):
     robot = arm("iiwa14")
     best = hj.plan(robot, OBJECT, ALONG, 2.0, [6], "straight-flux", certificate=False).best
-    made = hj.swing(robot, Hit(6, OBJECT, ALONG, 2.0, 0.3), q_hit=best.q)
-    turned = (made.q_hit - best.q) / (2 * np.pi)
-    np.testing.assert_allclose(turned, np.round(turned), atol=1e-9)
+    for flux in (0.3, None):
+        made = hj.swing(robot, Hit(6, OBJECT, ALONG, 2.0, flux), q_hit=best.q)
+        turned = (made.q_hit - best.q) / (2 * np.pi)
+        np.testing.assert_allclose(turned, np.round(turned), atol=1e-9)
+        assert made.notes == ()
+    assert made.flux > 0.9 * best.deliverable_flux
 
 
 def test_same_input_same_bits(bare, arm):

@@ -12,6 +12,7 @@ from hitjoints.errors import InputError, UnknownNameError
 from hitjoints.goals.box_hit import lever
 from hitjoints.goals.sliding import check_support
 from hitjoints.impact.restitution import check_restitution
+from hitjoints.vectors import number
 
 if TYPE_CHECKING:
     from hitjoints.goals.sliding import Support
@@ -75,14 +76,13 @@ class EngineSetting:
         if len(self.size) != 3 or not all(SMALLEST <= edge <= LARGEST for edge in self.size):
             raise InputError("size", self.size, f"three edges from {SMALLEST:g} to {LARGEST:g} m")
         for name in ("friction", "servo_gain", "contact_friction"):
-            value = getattr(self, name)
-            if not 0 <= value < math.inf:
-                raise InputError(name, value, "it must be finite and not below 0")
+            words = "it must be finite and not below 0"
+            number(getattr(self, name), name, words, lambda value: value >= 0)
         if self.servo_gain > STRONGEST:
             raise InputError("servo_gain", self.servo_gain, f"at most {STRONGEST:g} N m s/rad")
-        if not SHORTEST_CONTACT <= self.contact_time <= LONGEST_CONTACT:
-            expected = f"a contact lasts {SHORTEST_CONTACT:g} s to {LONGEST_CONTACT:g} s"
-            raise InputError("contact_time", self.contact_time, expected)
+        words = f"a contact lasts {SHORTEST_CONTACT:g} s to {LONGEST_CONTACT:g} s"
+        within = (SHORTEST_CONTACT, LONGEST_CONTACT)
+        number(self.contact_time, "contact_time", words, lambda v: within[0] <= v <= within[1])
         self._check_place()
 
     def _check_place(self) -> None:
@@ -92,9 +92,10 @@ class EngineSetting:
             InputError: the arm would miss the box's face.
         """
         check_support(self.support)
-        if not abs(self.yaw) <= STEEPEST_YAW:
-            expected = f"within {STEEPEST_YAW:g} rad, or another face is hit"
-            raise InputError("yaw", self.yaw, expected)
+        words = f"within {STEEPEST_YAW:g} rad, or another face is hit"
+        number(self.yaw, "yaw", words, lambda value: abs(value) <= STEEPEST_YAW)
+        for name in ("off_centre", "height"):
+            number(getattr(self, name), name, "a finite distance in metres")
         aside = abs(float(lever(-self.off_centre, self.yaw, self.size[0])))
         if not aside < (half := self.size[1] / 2):
             expected = f"within {half:g} m of the face's middle, or the arm misses the box"
