@@ -1,10 +1,12 @@
 """What is drawn in space: the object touches the arm, and what is near hides what is far."""
 
+import coal
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
 import hitjoints as hj
+from hitjoints.planning.room.shapes import scene_of
 from hitjoints.show.arm_faces import arm_faces
 from hitjoints.show.drawn_arm import BoxAt
 from hitjoints.show.inertia_surface import belted_ellipsoid
@@ -16,23 +18,38 @@ from hitjoints.show.winner_map import TIE, winners
 def test_the_near_face_of_the_object_is_at_the_surface_of_the_link(arm, name, joint):
     robot = arm(name)
     q, h = robot.home, np.array([0.0, 1.0, 0.0])
-    size = np.array([0.02, 0.3, 0.02])  # thin, so that only what is ahead of the contact is near
+    size = np.array([0.002, 0.3, 0.002])  # so thin that it touches with one point
     box = BoxAt.touched(robot, q, robot.contact(joint), h, size)
     here = hj.position(robot, q, joint)
-    near = float((box.corners @ h).min())
-    ahead = np.vstack(arm_faces(robot, q))
-    # The farthest corner of the whole arm on a thin tube ahead of the contact.
-    assert near >= here @ h - 1e-9
-    known = hj.clearance(robot, q, joint, h, size)
-    assert known.object > -1e-3 or np.isinf(known.object)
-    assert np.abs(ahead).max() < 3  # the shapes lie where the arm is
+    assert float((box.corners @ h).min()) >= here @ h - 1e-9
+    assert box.corners.mean(axis=0) - h * (h @ box.corners.mean(axis=0)) == pytest.approx(
+        here - h * (h @ here), abs=1e-9
+    )
+    scene = scene_of(robot)
+    scene.point(q, robot.contact(joint))
+    placed = coal.Transform3s(np.eye(3), box.corners.mean(axis=0))
+    carriers = [i for i, k in enumerate(scene.links) if k in (joint, joint - 1)]
+    assert scene.distance(coal.Box(*size), placed, carriers)[0] == pytest.approx(0, abs=1e-3)
+
+
+def test_the_faces_are_those_of_the_shapes(arm):
+    """They reach as far as Coal says that the shapes do, along any axis."""
+    robot = arm("iiwa14")
+    corners = np.vstack(arm_faces(robot, robot.home))
+    scene = scene_of(robot)
+    scene.point(robot.home, robot.flange)
+    shapes = list(range(len(scene.links)))
+    for axis in (*np.eye(3), *-np.eye(3)):
+        beyond = coal.Halfspace(-axis, -5.0)  # what lies 5 m and more along the axis
+        far = 5.0 - scene.distance(beyond, coal.Transform3s.Identity(), shapes)[0]
+        assert float((corners @ axis).max()) == pytest.approx(far, abs=0.01)
 
 
 def test_a_face_in_front_is_drawn_last():
     picture = Picture(azimuth=0.0, elevation=0.0)  # seen from +x
     square = np.array([[0.0, -1, -1], [0, 1, -1], [0, 1, 1], [0, -1, 1]])
-    picture.solid([square + [1.0, 0, 0]], "red")
-    picture.solid([square - [1.0, 0, 0]], "blue")
+    picture.solid([np.add(square, (1.0, 0, 0))], "red")
+    picture.solid([np.subtract(square, (1.0, 0, 0))], "blue")
     axis = Figure().add_subplot()
     picture.draw(axis)
     colours = axis.collections[0].get_facecolor()
