@@ -57,6 +57,7 @@ def calls() -> Iterator[Call]:
     yield many_rows(robot)
     yield one_target(robot)
     yield from steps(robot)
+    yield planned(robot)
     yield from whole_hits(robot)
 
 
@@ -174,26 +175,51 @@ def steps(robot: hj.Robot) -> Iterator[Call]:
         ],
         "q copied in, the proof read, a `Step` made",
     )
+    yield from steps_with_torques(robot, hit)
+
+
+def steps_with_torques(robot: hj.Robot, hit: hj.Hit) -> Iterator[Call]:
+    """Yield a step on the way, compiled, and the first, for which the motors have too little."""
+    found = prepare(robot, hit, torque_limits=True)
     limited = Controller(robot, hit, found.q_hit, torque_limits=True)
-    q, qd = found.q0, np.zeros(robot.n)
     torques: Any = limited.torques
-    state = limited.point.observe(q, H)
+    q, qd = found.q0, np.zeros(robot.n)
+    first = least(lambda: limited.step(q, qd), 20, 20)
+    observed = least(lambda: limited.point.observe(q, H))
+    for _ in range(20):
+        qd = limited.step(q, qd)
+        q = limited.follow(q, qd)
     impulses = torques.impulses(q, qd)
-    yield Call(
-        "`Controller.step` with torque limits",
-        least(lambda: limited.step(q, qd), 20, 20),
-        "us",
-        [
-            Part("inertia, gradient, Jacobian", least(lambda: limited.point.observe(q, H))),
-            Part("what the motors can change", least(lambda: torques.impulses(q, qd))),
-            Part(
-                "velocities from which joints can stop in time",
-                least(lambda: torques.bounds(q, qd, impulses, *limited.bounds(q))),
+    parts = [
+        Part("what the motors can change", least(lambda: torques.impulses(q, qd))),
+        Part(
+            "velocities from which joints can stop in time",
+            least(lambda: torques.bounds(q, qd, impulses, *limited.bounds(q))),
+        ),
+        Part("is there a way to rest", least(lambda: torques.can_stop(q, qd))),
+    ]
+    whole, name = least(lambda: limited.step(q, qd), 20, 20), "`Controller.step`, torque limits"
+    yield Call(f"{name}, on the way", whole, "us", parts, "the compiled step, checks")
+    looked = Part("inertia, gradient, Jacobian by Pinocchio", observed)
+    rest = "Eq. 12 and the law with torque rows, by an active set or ProxQP"
+    yield Call(f"{name}, from rest", first, "us", [*parts, looked], rest)
+
+
+def planned(robot: hj.Robot) -> Call:
+    """Return a plan of one joint with its proof."""
+
+    def plan(*, certificate: bool) -> float:
+        return least(
+            lambda: hj.plan(
+                robot, AT, H, MASS, joints=[JOINT], objective="inertia", certificate=certificate
             ),
-            Part("is there a way to rest", least(lambda: torques.can_stop(q, qd))),
-            Part("the field", least(lambda: limited._field(state.position, 0.5))),
-        ],
-        "Eq. 12 and the law with torque rows",
+            5,
+            1,
+        )
+
+    parts = [Part("the global search", plan(certificate=False))]
+    return Call(
+        "`hj.plan`, joint 6, inertia", plan(certificate=True), "ms", parts, "the certificate"
     )
 
 
