@@ -50,4 +50,8 @@ def main(words: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    try:
+        main(sys.argv[1:])
+    except KeyboardInterrupt:
+        print("interrupted; nothing was written: name fewer to measure less", file=sys.stderr)
+        sys.exit(130)

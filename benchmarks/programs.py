@@ -15,10 +15,11 @@ from benchmarks.harness import Remark, Row, Work
 from benchmarks.peers import osqp, programs
 from hitjoints.evaluator import WORTH_COMPILING
 from hitjoints.kernels import build_kernel
-from hitjoints.programs.hitting_speed import build_hitting_speed
+from hitjoints.programs.hitting_speed import build_hitting_speed, solve_hitting_speed
 from hitjoints.programs.joint_velocity import build_joint_velocity
 from hitjoints.programs.problem import Program
 from hitjoints.programs.solver import solve
+from hitjoints.programs.straight_answer import WORTH_COMPILING as FORMULAS_COMPILED
 from hitjoints.programs.warm import WarmProgram
 
 if TYPE_CHECKING:
@@ -63,12 +64,26 @@ def measure() -> list[Row | Remark]:
     speeds = [straight_speed(robot, row) for row in q]
     velocities = [eq12(robot, row) for row in q]
     return [
-        *_meet("straight hitting speed (linear)", speeds, LINEAR),
+        *straight(robot, q, speeds),
         *one_call(robot, q, speeds),
         *batch(robot, q, speeds),
         *_meet("Eq. 12 (quadratic), from scratch", velocities, QUADRATIC),
         *along_a_hit(robot),
     ]
+
+
+def straight(robot: hj.Robot, q: Array, speeds: Sequence[Program]) -> list[Row | Remark]:
+    """Return the gain of the certified speed and velocities, from Jacobians as programs are."""
+    limits = robot.velocity_lower, robot.velocity_upper
+    given = [hj.jacobian(robot, row, JOINT) for row in q]
+
+    def ours() -> list[Array]:
+        return [solve_hitting_speed(J, H, *limits, straight=True).qd for J in given]
+
+    for _ in range(FORMULAS_COMPILED // len(q) + 1):
+        ours()
+    what, named = "straight hitting speed (linear)", ("closed form, certified", ours, len(q))
+    return contest(what, named, _peers(what, speeds, LINEAR), optimal(speeds))
 
 
 def one_call(robot: hj.Robot, q: Array, speeds: Sequence[Program]) -> list[Row | Remark]:
@@ -192,7 +207,9 @@ def _meet(
     def ours() -> list[Array]:
         return [solve(program).x for program in many]
 
-    named = ("ProxQP, certified", ours, len(many))
+    for _ in range(FORMULAS_COMPILED // len(many) + 1):
+        ours()
+    named = ("formulas, certified", ours, len(many))
     return contest(what, named, _peers(what, many, solvers), optimal(many))
 
 

@@ -24,7 +24,7 @@ from . import (
     view,
 )
 from .hit_sources import told
-from .option_groups import grouped
+from .option_groups import TellingOptions, grouped, show_help
 
 COMMANDS: dict[str, Callable[..., Any]] = {
     "hit": hit_command.hit,
@@ -41,7 +41,6 @@ app = typer.Typer(
     help="Hit objects with different joints of a robot arm: inertia, speed and flux.",
     no_args_is_help=False,
     invoke_without_command=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -56,13 +55,16 @@ app.add_typer(robots.app, name="robots")
 @app.callback()
 def root(
     context: typer.Context,
-    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+    version: Annotated[bool, typer.Option("--version", help="Print the versions.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No notes and no progress.")] = False,
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Tell more on stderr.")] = False,
 ) -> None:
     """Hit objects with different joints of a robot arm: inertia, speed and flux."""
+    TellingOptions(quiet, verbose).heed()
     if version:
         print(f"hitjoints {__version__} ({', '.join(_libraries())})")
-    elif context.invoked_subcommand is None:
-        print(context.get_help())
+    else:
+        show_help(context)
 
 
 def _libraries() -> list[str]:

@@ -16,7 +16,8 @@ from typing import Any
 
 from hitjoints.errors import HitjointsError, InfeasibleError, shown
 
-from .complaints import complain
+from .complaints import complain, loudness
+from .kept import begin, kept
 from .signals import Signals
 
 DONE, FAILED, USAGE, NO = 0, 1, 2, 3
@@ -36,6 +37,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         logging.getLogger().addHandler(logging.NullHandler())
     warnings.showwarning = _warn
     words = list(sys.argv[1:] if arguments is None else arguments)
+    begin()
+    loudness.level = 0
     code = DONE
     try:
         code = _run(words)
@@ -45,7 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             code = _explain(error, words)
     signals.close()
     if signals.taken is not None:
-        complain("error", signals.words)
+        complain("error", f"{signals.words}; {kept()}")
         # Threads that compute are not waited for: what they would write is not wanted any more.
         os._exit(128 + signals.taken)
     sys.exit(code)
@@ -80,7 +83,7 @@ def _explain(error: BaseException, words: list[str]) -> int:
             complain("usage", error.format_message())
             return USAGE
         case typer.Abort():
-            complain("error", "interrupted")
+            complain("error", f"interrupted; {kept()}")
         case SystemExit() | BrokenPipeError():
             # The reader of a pipe has seen enough; Typer leaves then.
             _abandon_stdout()
@@ -97,9 +100,11 @@ def _explain(error: BaseException, words: list[str]) -> int:
 
 
 def _warn(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
-    """Print the package's own warnings; those of libraries are not for who types a command."""
+    """Print the package's own warnings; those of libraries only where details are wanted."""
     if category.__module__.startswith("hitjoints"):
         complain("warning", str(message))
+    elif loudness.tells("detail"):
+        complain("detail", f"{category.__name__}: {message}")
 
 
 def _keep_stderr() -> None:

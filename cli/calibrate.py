@@ -11,7 +11,7 @@ from .complaints import complain
 from .figure_options import FigureOptions
 from .options import JsonOption, check_outputs
 from .output_options import tell_written
-from .render import print_json, print_table
+from .render import print_json, print_table, say
 
 if TYPE_CHECKING:
     from hitjoints.evidence.calibration.past_hits import Calibration
@@ -72,7 +72,7 @@ def _print(result: Calibration) -> None:
     )
     held = result.held_out
     if held is None:
-        print("Too few boxes were followed to their rest: no landing can be foreseen.")
+        say("Too few boxes were followed to their rest: no landing can be foreseen.")
         return
     print_table(
         f"{held.rows} landings, each foreseen from all the others",

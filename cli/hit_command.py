@@ -12,10 +12,11 @@ from .complaints import complain
 from .figure_options import FigureOptions
 from .hit_options import FLUX, HitOptions
 from .impact_options import ImpactOptions, inertia_rows
+from .kept import output_folder
 from .option_groups import OptionGroup, without
 from .options import JsonOption
 from .output_options import tell_written
-from .render import plain, print_json, print_table
+from .render import plain, print_json, print_table, say
 from .robot_options import RobotOptions
 
 if TYPE_CHECKING:
@@ -193,15 +194,17 @@ def _write(found: Answer, out: Path, look: FigureOptions) -> tuple[list[Path], d
 
     from hitjoints.datasets.files import write_whole
 
-    out.mkdir(exist_ok=True)
-    parts = found.hits or (found,)
-    folders = [out] if len(parts) == 1 else [out / f"hit_{k + 1}" for k in range(len(parts))]
-    written = [_write_hit(one, folder, look) for one, folder in zip(parts, folders, strict=True)]
-    told: dict[str, Any] = plain(found.as_dict(*(paths[1:3] for paths in written)))
-    found.hit.save(out / WISH)
-    text = json.dumps(told, allow_nan=False, indent=1) + "\n"
-    write_whole(out / ANSWER, "out", lambda made: made.write_text(text, encoding="utf-8"))
-    return [out / WISH, *(path for paths in written for path in paths), out / ANSWER], told
+    with output_folder(out):
+        parts = found.hits or (found,)
+        folders = [out] if len(parts) == 1 else [out / f"hit_{k + 1}" for k in range(len(parts))]
+        written = [
+            _write_hit(one, folder, look) for one, folder in zip(parts, folders, strict=True)
+        ]
+        told: dict[str, Any] = plain(found.as_dict(*(paths[1:3] for paths in written)))
+        found.hit.save(out / WISH)
+        text = json.dumps(told, allow_nan=False, indent=1) + "\n"
+        write_whole(out / ANSWER, "out", lambda made: made.write_text(text, encoding="utf-8"))
+        return [out / WISH, *(path for paths in written for path in paths), out / ANSWER], told
 
 
 def _write_hit(one: Answer, folder: Path, look: FigureOptions) -> list[Path]:
@@ -209,15 +212,15 @@ def _write_hit(one: Answer, folder: Path, look: FigureOptions) -> list[Path]:
     from hitjoints.show import figures
     from hitjoints.show.sheet import save_figure
 
-    folder.mkdir(exist_ok=True)
-    plan, csv, ros, figure = (folder / name for name in FILES)
-    one.plan.save(plan)
-    if one.swing is None:
-        return [plan]
-    one.swing.save(csv)
-    one.swing.save(ros)
-    save_figure(figures.answer(one, **look.look), figure)
-    return [plan, csv, ros, figure]
+    with output_folder(folder):
+        plan, csv, ros, figure = (folder / name for name in FILES)
+        one.plan.save(plan)
+        if one.swing is None:
+            return [plan]
+        one.swing.save(csv)
+        one.swing.save(ros)
+        save_figure(figures.answer(one, **look.look), figure)
+        return [plan, csv, ros, figure]
 
 
 def _print(found: Answer) -> None:
@@ -227,10 +230,8 @@ def _print(found: Answer) -> None:
         if one.simulated is not None:
             told, errors = one.simulated.simulated, one.simulated.errors
             off = errors["object_speed"] or 0.0
-            print(
-                f"physics engine: object speed {told['object_speed']:.4g} m/s ({100 * off:+.2f} %)"
-            )
-    print(found.words)
+            say(f"physics engine: object speed {told['object_speed']:.4g} m/s ({100 * off:+.2f} %)")
+    say(found.words)
 
 
 def _print_hit(title: str, swing: Swing) -> None:

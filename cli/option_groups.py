@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import time
 from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass, fields
@@ -11,6 +12,9 @@ from typing import Annotated, Any, ClassVar, NamedTuple, get_args, get_origin, g
 
 import typer
 from typer.models import OptionInfo
+
+from .complaints import complain, loudness
+from .progress import progress
 
 Fill = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 CONTEXT = "context"  # the argument by which Typer tells what was typed
@@ -27,6 +31,25 @@ class OptionGroup:
 
     panel: ClassVar[str] = "Options"
     """The heading over them in a command's help."""
+
+
+@dataclass(frozen=True)
+class TellingOptions(OptionGroup):
+    """How much is told on stderr; every command has them."""
+
+    panel: ClassVar[str] = "Telling"
+
+    quiet: Annotated[
+        bool, typer.Option("--quiet", "-q", help="No notes and no progress on stderr.")
+    ] = False
+    verbose: Annotated[
+        bool, typer.Option("--verbose", "-v", help="More on stderr, such as libraries' warnings.")
+    ] = False
+
+    def heed(self) -> None:
+        """Tell so much from now on."""
+        if self.quiet or self.verbose:
+            loudness.level = -1 if self.quiet else 1
 
 
 class Without(NamedTuple):
@@ -61,6 +84,7 @@ def grouped(command: Callable[..., Any], fill: Fill | None = None) -> Callable[.
             parts = [part for part in _parameters(kind) if part.name not in left_out]
             groups[parameter.name] = kind, [part.name for part in parts]
             flat += parts
+    flat += _parameters(TellingOptions)
     names = [parameter.name for parameter in flat]
     if len(set(names)) < len(names):
         raise TypeError(f"{command.__name__} has two options of one name: {names}")
@@ -68,18 +92,29 @@ def grouped(command: Callable[..., Any], fill: Fill | None = None) -> Callable[.
     @wraps(command)
     def call(**values: Any) -> Any:
         context = values.pop(CONTEXT)
+        TellingOptions(values.pop("quiet"), values.pop("verbose")).heed()
         typed = {name: values[name] for name in values if _is_typed(context, name)}
         told = {} if fill is None else fill(typed)
         values |= {name: told[name] for name in told if name in values and name not in typed}
         for name, (kind, parts) in groups.items():
             values[name] = kind(**{part: values.pop(part) for part in parts})
-        return command(**values)
+        begun = time.perf_counter()
+        with progress():
+            answer = command(**values)
+        complain("detail", f"done in {time.perf_counter() - begun:.2f} s")
+        return answer
 
     flat.append(inspect.Parameter(CONTEXT, KEYWORD, annotation=typer.Context))
     del call.__dict__["__wrapped__"]  # Typer would look through to the command
     call.__signature__ = inspect.Signature(flat)  # type: ignore[attr-defined]
     call.__annotations__ = {parameter.name: parameter.annotation for parameter in flat}
     return call
+
+
+def show_help(context: typer.Context) -> None:
+    """Show what commands there are where none is named."""
+    if context.invoked_subcommand is None:
+        print(context.get_help())
 
 
 def _is_typed(context: typer.Context, name: str) -> bool:

@@ -9,6 +9,8 @@ from typing import Annotated, Any
 
 import typer
 
+from .kept import watch
+
 MOST = 2**63 - 1  # what files can hold
 
 
@@ -89,6 +91,7 @@ def check_outputs(
     for path, argument, endings in (*outputs, (plot, "plot", FIGURE_ENDINGS)):
         if path is not None:
             check_writable(path, argument, endings)
+            watch(path)
             asked.append((path, argument))
     check_apart(asked, (name for name in inputs if name is not None))
 

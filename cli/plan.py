@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import typer
 
 from .complaints import complain
+from .completion import objectives
 from .figure_options import FigureOptions
 from .hit_options import HitOptions
 from .impact_options import ImpactOptions
@@ -21,7 +22,7 @@ from .options import (
     triple,
 )
 from .output_options import tell_written
-from .render import print_json, print_table
+from .render import print_json, print_table, say
 from .robot_options import RobotOptions
 
 if TYPE_CHECKING:
@@ -51,7 +52,9 @@ class AimOptions(OptionGroup):
         str,
         typer.Option(
             "--objective",
-            help="inertia, flux, straight-flux, deliverable, or rebound with --flux.",
+            help="inertia, flux, straight-flux, deliverable, rebound with --flux, "
+            "or landing with --goal.",
+            autocompletion=objectives,
         ),
     ] = "inertia"
     flux_by: Annotated[
@@ -207,9 +210,9 @@ def _print(title: str, planned: Plan) -> None:
         "rest to rest within the arm's limits; optimum: proved over the "
         "joints beyond the contact, and found by so many of the independent searches",
     )
-    print(planned.summary)
+    say(planned.summary)
     if planned.best is not None:
-        print("q = " + ",".join(f"{v:.6g}" for v in planned.best.as_dict()["q"]))
+        say("q = " + ",".join(f"{v:.6g}" for v in planned.best.as_dict()["q"]))
         _print_room(planned.best)
     if planned.start is not None:
         _print_start(planned.start)
@@ -220,19 +223,19 @@ def _print(title: str, planned: Plan) -> None:
 def _print_room(best: Candidate) -> None:
     assert best.clearance is not None, "every candidate of a plan has one"
     if reason := best.clearance.get("not_known"):
-        print(f"clearance not known: {reason}")
+        say(f"clearance not known: {reason}")
         return
     near = [
         f"{best.clearance[name]:.3f} m from {name} ({' - '.join(pair)})"
         for name, pair in best.clearance["closest"].items()
     ]
-    print(f"clearance, {best.clearance['approach']:.2g} m of approach included: {'; '.join(near)}")
+    say(f"clearance, {best.clearance['approach']:.2g} m of approach included: {'; '.join(near)}")
 
 
 def _print_start(start: Start) -> None:
     at = ", ".join(f"{v:.3f}" for v in start.position)
     verdict = "" if start.feasible else f"; not feasible: {start.reason}"
-    print(
+    say(
         f"start: {start.run_up:.3f} m behind at ({at}) m for {start.speed:.3g} m/s{verdict}\n"
         "q0 = " + ",".join(f"{v:.6g}" for v in start.q)
     )
@@ -254,7 +257,8 @@ def _share(one: TorqueCost) -> str | None:
     """Return what torque limits take of the flux reached without them."""
     if one.flux_without is None or one.flux_with is None:
         return None
-    return f"{100 * (1 - one.flux_with / one.flux_without):.1f} %"
+    cost = round(100 * (1 - one.flux_with / one.flux_without), 1)
+    return f"{cost + 0.0:.1f} %"  # a cost of -0.0 is none
 
 
 def _row(one: Verdict, best: bool) -> list[object]:

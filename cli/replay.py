@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-import time
 from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -19,7 +17,7 @@ from .hit_options import check_mass
 from .impact_options import RotorOption, StiffnessOption, of_joints
 from .option_groups import without
 from .options import JsonOption, OutOption, check_outputs, numbers, triple
-from .render import print_json, print_table
+from .render import print_json, print_table, say
 from .robot_options import RobotOptions
 
 if TYPE_CHECKING:
@@ -27,7 +25,6 @@ if TYPE_CHECKING:
     from hitjoints.evidence.recordings.replayer import Replay
 
 SHOWN = 40  # rows of the table
-QUIET = 10.0  # s between two lines of progress that go to a file
 
 
 def replay(  # noqa: PLR0913
@@ -91,6 +88,7 @@ def replay(  # noqa: PLR0913
     Each robot's file has the object's, object_M_hit_N.csv, beside it. A file that cannot be used
     is reported with its reason, and the rest goes on.
     """
+    from hitjoints.counting import tell
     from hitjoints.datasets.files import DATASET_ENDINGS, write_dataset
     from hitjoints.evidence.recordings.hit_files import read_by
     from hitjoints.evidence.recordings.replayer import replay as compare
@@ -100,20 +98,19 @@ def replay(  # noqa: PLR0913
         check_mass(mass)
     check_outputs(figure.plot, (out, "out", DATASET_ENDINGS), inputs=[*read_by(files or ()), robot])
     figure.check_look()
-    with _progress() as progress:
-        result = compare(
-            files or None,
-            robot=None if robot is None else replace(chosen, robot=robot).load(),
-            direction=None if direction is None else numbers(direction),
-            mass=mass,
-            offset=triple(offset, "offset"),
-            restitution=restitution,
-            impact=impact,
-            contact_time=contact_time,
-            stiffness=of_joints(stiffness),
-            rotor_inertia=of_joints(rotor_inertia),
-            progress=progress,
-        )
+    result = compare(
+        files or None,
+        robot=None if robot is None else replace(chosen, robot=robot).load(),
+        direction=None if direction is None else numbers(direction),
+        mass=mass,
+        offset=triple(offset, "offset"),
+        restitution=restitution,
+        impact=impact,
+        contact_time=contact_time,
+        stiffness=of_joints(stiffness),
+        rotor_inertia=of_joints(rotor_inertia),
+        progress=partial(tell, "files"),
+    )
     if out is not None:
         from hitjoints.evidence.recordings.dataset import hits_dataset
 
@@ -133,29 +130,6 @@ def replay(  # noqa: PLR0913
         raise typer.Exit(1)
 
 
-@contextmanager
-def _progress() -> Iterator[Callable[[int, int], None]]:
-    """Show on stderr how many files are done: a bar on a terminal, else a line now and then."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
-
-    console = Console(stderr=True)
-    columns = ("files", BarColumn(), MofNCompleteColumn(), "left", TimeRemainingColumn())
-    bar = Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
-    task = bar.add_task("files", total=None)
-    said = time.monotonic()
-
-    def advance(done: int, total: int) -> None:
-        nonlocal said
-        bar.update(task, completed=done, total=total)
-        if not console.is_terminal and time.monotonic() - said > QUIET:
-            said = time.monotonic()
-            complain("progress", f"{done} of {total} files")
-
-    with bar:
-        yield advance
-
-
 def _print(result: Replay) -> None:
     from hitjoints.evidence.recordings.replayer import REMARKS
 
@@ -171,12 +145,12 @@ def _print(result: Replay) -> None:
         "the hit; predicted: with the median restitution of the other hits, or as given",
     )
     if len(result.usable) > SHOWN:
-        print(f"... and {len(result.usable) - SHOWN} more: --out writes all of them")
+        say(f"... and {len(result.usable) - SHOWN} more: --out writes all of them")
     if result.usable[0:1] and result.usable[0].shown_mass is not None:
         _print_impact(result)
     _print_summary(result.usable)
     for name in ("restitution", "recorded_inertia", "momentum_mass"):
-        print(f"{name}: {REMARKS[name]}.")
+        say(f"{name}: {REMARKS[name]}.")
     failed = [hit for hit in result.hits if not hit.ok]
     for hit in failed[:SHOWN]:
         complain("not usable", f"{hit.file}: {hit.reason}")
@@ -209,10 +183,10 @@ def _print_impact(result: Replay) -> None:
     )
     fitted = result.stiffness
     if fitted is None:
-        print("stiffness: too few hits of arms whose rotor inertia is known")
+        say("stiffness: too few hits of arms whose rotor inertia is known")
         return
     bound = "; the hits do not bound it" if fitted.at_edge else ""
-    print(
+    say(
         f"stiffness: {fitted.value:.3g} N m/rad explains {fitted.hits} hits best, "
         f"{fitted.low:.3g} to {fitted.high:.3g} with one left out{bound}; off by a factor of "
         f"{math.exp(fitted.error):.2g} on hits left out"
@@ -226,9 +200,7 @@ def _print_summary(hits: tuple[ReplayedHit, ...]) -> None:
         values = [getattr(hit, name) for hit in hits if getattr(hit, name) is not None]
         if values:
             low, middle, high = np.percentile(values, (0, 50, 100))
-            print(
-                f"{name}: {low:.3g} .. {high:.3g}{unit}, median {middle:.3g} ({len(values)} hits)"
-            )
+            say(f"{name}: {low:.3g} .. {high:.3g}{unit}, median {middle:.3g} ({len(values)} hits)")
 
     spread("position_error", " m")
     spread("velocity_error", " m/s")
@@ -239,4 +211,4 @@ def _print_summary(hits: tuple[ReplayedHit, ...]) -> None:
     pairs = [(h.predicted_object_speed, h.object_speed) for h in hits]
     off = [abs(a / b - 1) for a, b in pairs if a is not None and b is not None and b > 0]
     if off:
-        print(f"predicted object speed: off by {np.median(off):.2g} of the measured, in the median")
+        say(f"predicted object speed: off by {np.median(off):.2g} of the measured, in the median")

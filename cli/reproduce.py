@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -11,6 +10,7 @@ import typer
 
 from .complaints import complain
 from .figure_options import FigureOptions
+from .kept import output_folder
 from .option_groups import without
 from .options import JsonOption
 from .render import print_json, print_table
@@ -45,33 +45,14 @@ def reproduce(
     if figure not in CHOICES:
         raise typer.BadParameter(f"{figure!r} is not one of {', '.join(CHOICES)}")
     look.check_look(drawn=True)
-    _make_folder(out)
-    result = repeat(figure, progress=lambda what: complain("progress", what))
-    complain("progress", "drawing")
-    written = _write(result, out, look)
+    with output_folder(out):
+        result = repeat(figure)
+        written = _write(result, out, look)
     if as_json:
         print_json(result.as_dict() | {"written": [str(path) for path in written]})
     else:
         _print(result)
     complain("written", f"{len(written)} files in {out}: {', '.join(p.name for p in written)}")
-
-
-def _make_folder(out: Path) -> None:
-    """Make the folder before any work is done for it.
-
-    Raises:
-        InputError: it cannot be made, or not be written to.
-    """
-    from hitjoints.errors import InputError
-
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except FileExistsError:
-        raise InputError("out", out, "it is a file; a folder is needed") from None
-    except OSError as error:
-        raise InputError("out", out, f"the folder cannot be made ({error.strerror})") from None
-    if not os.access(out, os.W_OK | os.X_OK):
-        raise InputError("out", out, "the folder cannot be written to (permission denied)")
 
 
 def _write(result: Reproduction, out: Path, look: FigureOptions) -> list[Path]:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
+from .complaints import complain
+from .completion import robots
 from .option_groups import OptionGroup
 
 if TYPE_CHECKING:
@@ -26,7 +28,12 @@ class RobotOptions(OptionGroup):
 
     robot: Annotated[
         str,
-        typer.Option("--robot", metavar="NAME|FILE", help="Name, or URDF, xacro, MJCF or TOML."),
+        typer.Option(
+            "--robot",
+            metavar="NAME|FILE",
+            help="Name, or URDF, xacro, MJCF or TOML.",
+            autocompletion=robots,
+        ),
     ] = ROBOT
     tip: Annotated[
         str | None,
@@ -92,7 +99,9 @@ class RobotOptions(OptionGroup):
         """
         from hitjoints.loading.load import load_robot
 
-        return load_robot(self.robot, **self.chosen)
+        arm = load_robot(self.robot, **self.chosen)
+        complain("detail", f"{arm.title}: {arm.n} joints, digest {arm.digest[:12]}; {arm.source}")
+        return arm
 
 
 def assigned(words: Sequence[str]) -> dict[str, str]:

@@ -7,25 +7,23 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .complaints import complain
-from .option_groups import grouped, without
+from .option_groups import grouped, show_help, without
 from .options import JsonOption
-from .render import print_json, print_table
+from .render import print_json, print_table, say
 from .robot_options import ROBOT, RobotOptions
 
 if TYPE_CHECKING:
     from hitjoints.loading.check import Issue
 
-app = typer.Typer(help="List the robots, or check one.", no_args_is_help=False)
+app = typer.Typer(help="List the robots, or check one.")
 
 
 @app.callback(invoke_without_command=True)
 def root(context: typer.Context) -> None:
-    """List the robots, or check one."""
-    if context.invoked_subcommand is None:
-        list_robots(as_json=False)
+    """List the robots that have names, or check the description of one."""
+    show_help(context)
 
 
-@app.command("list")
 def list_robots(as_json: JsonOption = False) -> None:
     """List the robots that are known by name, with where their arms end and their sources."""
     from hitjoints.loading.catalogue import robot_names
@@ -49,7 +47,7 @@ def list_robots(as_json: JsonOption = False) -> None:
     if as_json:
         print_json({"robots": rows})
         return
-    columns = ("name", "title", "joints", "tip", "hitting_joints", "licence")
+    columns = ("name", "title", "joints", "tip", "hitting_joints")
     print_table(
         "Robots that come with hitjoints",
         [column.replace("_", " ") for column in columns],
@@ -83,6 +81,7 @@ def check(
         raise typer.Exit(3)
 
 
+app.command("list")(grouped(list_robots))
 app.command("check")(grouped(check))
 
 
@@ -93,4 +92,4 @@ def _print_issues(name: str, issues: list[Issue], as_json: bool) -> None:
     elif rows:
         print_table(name, list(rows[0]), [list(row.values()) for row in rows])
     else:
-        print(f"{name}: no issues")
+        say(f"{name}: no issues")

@@ -13,7 +13,7 @@ from .impact_options import RESTITUTION, RotorOption, StiffnessOption, of_joints
 from .option_groups import without
 from .options import SeedOption, check_outputs, numbers
 from .output_options import OutputOptions
-from .render import print_json, print_table
+from .render import print_json, print_table, say
 from .robot_options import RobotOptions
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ def sweep_contact_time(  # noqa: PLR0913
         _print(swept)
         for one in meet:
             what = "inertia" if one.variable == "equivalent" else "object speed"
-            print(f"joints {one.joints[0]} and {one.joints[1]}: equal {what} at {one.time:.3g} s")
+            say(f"joints {one.joints[0]} and {one.joints[1]}: equal {what} at {one.time:.3g} s")
     output.tell(map_plot)
 
 

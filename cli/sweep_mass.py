@@ -10,7 +10,7 @@ from .hit_options import HitOptions
 from .option_groups import without
 from .options import SeedOption, spaced
 from .output_options import OutputOptions
-from .render import print_json, print_table
+from .render import print_json, print_table, say
 from .robot_options import RobotOptions
 
 if TYPE_CHECKING:
@@ -85,6 +85,6 @@ def _print(swept: Dataset, crossings: list[dict[str, Any]]) -> None:
         ],
     )
     for one in crossings:
-        print(f"from {one['mass']:.4g} kg on: joint {one['to']}, not joint {one['from']}")
+        say(f"from {one['mass']:.4g} kg on: joint {one['to']}, not joint {one['from']}")
     if not crossings:
-        print("the same joint hits best throughout")
+        say("the same joint hits best throughout")

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
@@ -14,6 +13,7 @@ import typer
 from .complaints import complain
 from .figure_options import FigureOptions
 from .hit_options import HitOptions
+from .kept import continues
 from .option_groups import OptionGroup, without
 from .options import JsonOption, SeedOption, check_outputs, spaced
 from .output_options import tell_written
@@ -23,7 +23,6 @@ from .robot_options import RobotOptions
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from hitjoints.maps.run_sweep import Progress
     from hitjoints.model.robot import Robot
 
 WISHES = ("goal", "flux", "object_speed", "restitution", "friction")
@@ -103,27 +102,29 @@ def sweep_workspace(
 ) -> None:
     """Map inertia, speed and flux over a grid of object positions."""
     import hitjoints as hj
+    from hitjoints.counting import tell
 
     asked = hit.read()
     output.check(robot.robot, hit.file)
     arm = robot.load()
-    with shown_progress() as progress:
-        swept = hj.sweep_workspace(
-            arm,
-            spaced(grid.x, "x"),
-            spaced(grid.y, "y"),
-            spaced(grid.z, "z"),
-            asked.directions,
-            asked.mass,
-            joints=asked.contacts(arm),
-            samples=grid.samples,
-            seed=grid.seed,
-            out=output.out,
-            scheduler=work.scheduler,
-            threads=work.threads,
-            progress=progress,
-            command=" ".join(["hitjoints", *sys.argv[1:]]),
-        )
+    if output.out is not None:
+        continues(output.out)
+    swept = hj.sweep_workspace(
+        arm,
+        spaced(grid.x, "x"),
+        spaced(grid.y, "y"),
+        spaced(grid.z, "z"),
+        asked.directions,
+        asked.mass,
+        joints=asked.contacts(arm),
+        samples=grid.samples,
+        seed=grid.seed,
+        out=output.out,
+        scheduler=work.scheduler,
+        threads=work.threads,
+        progress=partial(tell, "positions"),
+        command=" ".join(["hitjoints", *sys.argv[1:]]),
+    )
     rows = _summary(swept)
     write_map(arm, swept, output)
     if output.as_json:
@@ -146,44 +147,6 @@ def write_map(arm: Robot, swept: Dataset, output: MapOutputs) -> None:
         if path is not None:
             write_dataset(swept, path, argument)
     output.save(figures.workspace, arm, swept)
-
-
-@contextmanager
-def shown_progress() -> Iterator[Progress]:
-    """Show on stderr how far a sweep is, its rate and the time left."""
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
-
-    columns = (
-        TextColumn("positions"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[rate]}"),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-    )
-    console = Console(stderr=True)
-    bar = Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
-    task = bar.add_task("sweep", total=None, rate="")
-
-    def advance(done: int, total: int) -> None:
-        bar.start()
-        speed = bar.tasks[0].speed
-        rate = f"{speed:.0f}/s" if speed else ""
-        bar.update(task, completed=done, total=total, rate=rate)
-
-    try:
-        yield advance
-    finally:
-        bar.stop()
 
 
 def _summary(swept: Dataset) -> list[dict[str, Any]]:

@@ -109,8 +109,9 @@ class Outcome:
 
 
 @pytest.fixture
-def run(capsys):
-    """Run a command line in this process, as the `hitjoints` script does."""
+def run(capsys, monkeypatch):
+    """Run a command line in this process, as the `hitjoints` script does, on a wide terminal."""
+    monkeypatch.setenv("COLUMNS", "200")
 
     def call(*arguments: object) -> Outcome:
         with pytest.raises(SystemExit) as leaving:

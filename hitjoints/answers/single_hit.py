@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from hitjoints.answers.answer_record import Answer
 from hitjoints.answers.deliverable_map import along
 from hitjoints.answers.nearest import Nearest, nearest_hit
+from hitjoints.counting import counted
 from hitjoints.errors import InfeasibleError
 from hitjoints.evidence.physics.simulation import simulate
 from hitjoints.goals.landing import LEVEL, Landing, landing
@@ -51,7 +52,7 @@ class SingleHit:
         planned = self.plan(hit)
         reasons = {one.joint: one.reason for one in planned.candidates if not one.feasible}
         found: list[tuple[Candidate, Swing, Landing | None]] = []
-        for one in self.able(planned):
+        for one in counted(self.able(planned), "motions"):
             chosen = hit.with_contact(Contact(one.joint, one.offset))
             try:
                 made = self.swing(chosen, one)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from hitjoints.counting import counted
 from hitjoints.datasets.describe import described
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.planning.planner import plan
@@ -82,7 +83,7 @@ def sweep_mass(
     for mass in samples:
         positive_mass(float(mass))
     planned = _Planned(robot, position, direction, robot.contacts(joints), objective, away, seed)
-    values = [planned.best(float(mass)) for mass in samples]
+    values = [planned.best(float(mass)) for mass in counted(samples, "masses")]
     crossings = [
         crossing
         for i in range(1, samples.size)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hitjoints.built import kernel_for
+from hitjoints.counting import counted
 from hitjoints.datasets.describe import described
 from hitjoints.impact.elastic import elastic_impact
 from hitjoints.quantities import place_joint
@@ -75,7 +76,7 @@ def winning_joint(  # noqa: PLR0913
     thrown, equivalent = np.full(shape, np.nan), np.full(shape, np.nan)
     for k, contact in enumerate(chosen):
         best, speed = _best(robot, contact, places, h, mass, samples, seed)
-        for cell in np.flatnonzero(speed > 0):
+        for cell in counted(np.flatnonzero(speed > 0), f"places of joint {contact.joint}"):
             for i, time in enumerate(times):
                 hit = elastic_impact(
                     robot, best[cell], contact, h, mass, float(speed[cell]), restitution, time,

@@ -211,4 +211,6 @@ def duality_gap(program: Program, x: Vector, y: Vector, z: Vector, w: Vector) ->
 
 
 def _relative(errors: Vector, sizes: Vector) -> float:
+    if not errors.size:
+        return 0.0
     return float((errors / np.where(sizes > 0, sizes, 1.0)).max(initial=0.0))

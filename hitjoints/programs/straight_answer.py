@@ -2,33 +2,22 @@
 
 from __future__ import annotations
 
-import threading
-from collections import Counter
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hitjoints.kernels.formulas.straight_motion import (
-    evaluate_straight_motion,
-    record_straight_motion,
-)
-from hitjoints.kernels.tape.backends import choose
+from hitjoints.kernels.formulas.straight_motion import straight_motion_of
+from hitjoints.kernels.tape.counted import CountedProgram
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from hitjoints.kernels.tape.scalar import ScalarProgram
     from hitjoints.programs.problem import Vector
 
 FLOAT = np.dtype(float)
 CERTIFIED = 1e-12
 """Residuals up to which an answer needs no other: round-off, a little amplified."""
-WORTH_COMPILING = 2000
-"""Programs of one size after which their formulas are compiled: by then plain floats have taken
-as long as that does. The answers are the same to the last bit."""
-
-_asked: Counter[int] = Counter()
+WORTH_COMPILING = 600
+"""Programs of one size after which their formulas are compiled."""
 
 
 def certified_motion(
@@ -45,56 +34,15 @@ def certified_motion(
     shapes = jacobian.shape, direction.shape, lower.shape, upper.shape
     if shapes != ((3, n), (3,), (n,), (n,)) or not n:
         return None
-    found = _answers.of(n)(jacobian, direction, lower, upper)
+    found = _formulas(n)(jacobian, direction, lower, upper)
+    if not found:
+        return None
     usable, speed, primal, gap = found[0], found[1], found[n + 2], found[n + 3]
     if not (usable > 0.0 and primal <= CERTIFIED and gap <= CERTIFIED):
         return None
     return speed, np.array(found[2 : n + 2]), primal, gap
 
 
-class _Answers(threading.local):
-    """How programs of each size are answered; compiled ones with a thread's own numbers."""
-
-    def __init__(self) -> None:
-        self.compiled: dict[int, Callable[..., Any]] = {}
-
-    def of(self, n: int) -> Callable[..., Any]:
-        """Return what gives the formulas' outputs for n joints."""
-        known = self.compiled.get(n)
-        if known is None:
-            _asked[n] += 1
-            if _asked[n] < WORTH_COMPILING or choose() != "llvm":
-                return _in_floats
-            known = self.compiled[n] = _bound(_program(n), n)
-        return known
-
-
-_answers = _Answers()
-
-
-def _in_floats(J: Vector, h: Vector, lower: Vector, upper: Vector) -> list[Any]:
-    numbers = np.concatenate((J.ravel(), h, lower, upper))
-    try:
-        return evaluate_straight_motion(numbers.tolist(), lower.size)
-    except (ZeroDivisionError, ValueError, OverflowError):  # where LLVM makes it no number
-        return [0.0] * (lower.size + 4)
-
-
-@cache  # one that is let go would take its code along
-def _program(n: int) -> ScalarProgram:
-    from hitjoints.kernels.tape.scalar import ScalarProgram
-
-    return ScalarProgram(record_straight_motion(n), fused=False)
-
-
-def _bound(program: ScalarProgram, n: int) -> Callable[..., Any]:
-    inputs, outputs, run = program.bind()
-    columns, h = inputs[: 3 * n].reshape(3, n), inputs[3 * n : 3 * n + 3]
-    low, high = inputs[3 * n + 3 : 4 * n + 3], inputs[4 * n + 3 :]
-
-    def answer(J: Vector, direction: Vector, lower: Vector, upper: Vector) -> Any:
-        columns[:], h[:], low[:], high[:] = J, direction, lower, upper
-        run()
-        return outputs.tolist()
-
-    return answer
+@cache
+def _formulas(n: int) -> CountedProgram:
+    return CountedProgram(straight_motion_of, 5 * n + 3, WORTH_COMPILING)

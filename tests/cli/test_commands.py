@@ -88,7 +88,7 @@ def test_robots_list(run):
     outcome = run("robots", "list", "--json")
     names = {row["name"] for row in outcome.json["robots"]}
     assert names >= {"iiwa14", "iiwa14_bullet", "iiwa7", "panda", "xarm7"}
-    said = run("robots").out
+    said = run("robots", "list").out
     assert all(name in said for name in names)
 
 

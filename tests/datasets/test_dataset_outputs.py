@@ -238,6 +238,6 @@ main()
         text=True,
         timeout=60,
     )
-    assert done.stderr == "error: terminated\n"
+    assert done.stderr == "error: terminated; nothing was written\n"
     assert done.returncode == 128 + 15
     assert os.listdir(tmp_path) == []

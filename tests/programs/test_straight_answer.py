@@ -4,11 +4,6 @@ import numpy as np
 import program_corpus as corpus
 import pytest
 
-from hitjoints.kernels.formulas.straight_motion import (
-    evaluate_straight_motion,
-    record_straight_motion,
-)
-from hitjoints.kernels.tape.backends import llvm_works
 from hitjoints.programs.hitting_speed import build_hitting_speed, solve_hitting_speed
 from hitjoints.programs.problem import primal_residual
 from hitjoints.programs.solver import solve
@@ -45,19 +40,6 @@ def test_a_spherical_shoulder_is_answered_in_closed_form():
         J = np.hstack((J, rng.normal(size=(3, int(rng.integers(0, 4))))))
         ones = np.ones(J.shape[1])
         assert certified_motion(J, corpus.direction(rng), -ones, ones) is not None
-
-
-@pytest.mark.skipif(not llvm_works(), reason="needs llvmlite")
-def test_the_compiled_answer_is_that_of_plain_floats_to_the_last_bit():
-    from hitjoints.kernels.tape.scalar import ScalarProgram
-
-    kept = {n: ScalarProgram(record_straight_motion(n), fused=False) for n in (6, 7, 8)}
-    bound = {n: program.bind() for n, program in kept.items()}
-    for J, h, lower, upper in programs(2):
-        inputs, outputs, run = bound[lower.size]
-        inputs[:] = np.concatenate((J.ravel(), h, lower, upper))
-        run()
-        assert evaluate_straight_motion(inputs.tolist(), lower.size) == outputs.tolist()
 
 
 def test_lists_and_arrays_have_the_same_answer():

@@ -162,6 +162,26 @@ def test_what_is_dragged_is_planned_for(viewer):
     assert second != first
 
 
+def test_what_is_dragged_on_is_not_put_back(viewer):
+    """The browser is ahead: it moves a handle again while the last move is still being drawn."""
+    viewer._panel.hit.way.value = "goal"
+    assert viewer.wait(60)
+    handle = viewer._handles._aim
+    show_all, seen = viewer._show_all, []
+
+    def slowly():
+        handle._impl.position = np.array((0.6, 0.5, 0.5))  # meanwhile
+        show_all()
+        seen.append(np.array(handle.position))
+
+    viewer._show_all = slowly
+    drag(viewer, handle, (0.55, 0.5, 0.5))
+    viewer._show_all = show_all
+    assert all(place.tolist() == [0.6, 0.5, 0.5] for place in seen)
+    drag(viewer, handle, (0.6, 0.5, 0.5))
+    np.testing.assert_allclose(viewer.stage.wish.goal, (0.6, 0.5, 0.5))
+
+
 def test_a_plan_is_shown_and_not_made_again(arm, monkeypatch):
     robot = arm("iiwa14")
     planned = hj.plan(robot, [0.5, 0.3, 0.5], [0, 1, 0], 2.0, [6], flux=0.2, certificate=False)
@@ -319,3 +339,21 @@ def test_configurations_outside_the_limits_are_refused(viewer):
     with pytest.raises(InputError, match="joint 4"):
         viewer.move([0, 0, 0, 3, 0, 0, 0])
     np.testing.assert_array_equal(viewer.q, viewer.robot.home)
+
+
+def test_what_is_typed_or_turned_on_is_not_pulled_back(viewer):
+    """The browser is ahead of what is drawn, by a digit or by a part of a turn."""
+    mass, slider = viewer._panel.hit.mass, viewer._panel.sliders[0]
+    for control, first, then in ((mass, 1.0, 1.5), (slider, 0.4, 0.5)):
+        draw, calls = viewer._drawing.moment, []
+
+        def slowly(control=control, then=then, draw=draw, calls=calls):
+            control._impl.value = then  # meanwhile
+            calls.append(draw())
+
+        viewer._drawing.moment = slowly
+        control.value = first
+        viewer._drawing.moment = draw
+        assert calls
+        assert control.value == then
+    viewer._worker.stop()

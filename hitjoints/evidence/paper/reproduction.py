@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
+from hitjoints.counting import counted
 from hitjoints.errors import InputError, UnknownNameError
 from hitjoints.evidence.paper import claims, desired_inertia, hits, joint_turn, spread
 from hitjoints.evidence.paper.claim_rows import ClaimRow, Item, Values, rows_of
@@ -86,7 +88,6 @@ def reproduce(
     figure: str = "all",
     *,
     setups: int | None = None,
-    progress: Callable[[str], None] | None = None,
 ) -> Reproduction:
     """Repeat the paper's experiments and put its numbers beside ours.
 
@@ -97,7 +98,6 @@ def reproduce(
         figure: "fig2", "fig4", "fig6" (with Fig. 5 and the spread over random setups), or "all"
             (with what the text says besides).
         setups: start positions tried for the spread, at least 500; 12000 when not given.
-        progress: called with what is about to be run.
 
     Returns:
         The table as `rows`, and what the figures are drawn from.
@@ -113,13 +113,11 @@ def reproduce(
     parts = PARTS if figure == "all" else (figure,)
     experiments = {name: Experiments(variant(name)) for name in VARIANTS}
     rows: list[ClaimRow] = []
+    values: dict[str, dict[str, Values]] = {part: {} for part in parts}
+    for part, name in counted(list(product(parts, VARIANTS)), "experiments"):
+        values[part][name] = _run(part, experiments[name], scenario)
     for part in parts:
-        values: dict[str, Values] = {}
-        for name in VARIANTS:
-            if progress is not None:
-                progress(f"{part} on {name}")
-            values[name] = _run(part, experiments[name], scenario)
-        rows += rows_of(LINES[part], values)
+        rows += rows_of(LINES[part], values[part])
     return Reproduction(figure, scenario, tuple(rows), experiments)
 
 

@@ -20,8 +20,6 @@ from hitjoints.kernels.formulas.speeds import (
 )
 from hitjoints.kernels.tape.trace import (
     Scalar,
-    Tape,
-    Tracer,
     Vector,
     absolute,
     maximum,
@@ -99,30 +97,17 @@ def straight_motion(columns: list[Vector], direction: Vector, box: Box) -> Strai
     return StraightMotion(usable, speed, qd, primal, gap)
 
 
-def record_straight_motion(n: int) -> Tape:
-    """Record `straight_motion` for n joints.
+def straight_motion_of(given: tuple[Scalar, ...]) -> list[Scalar]:
+    """Return `StraightMotion` as one list, for n joints.
 
-    Inputs: the Jacobian (3 n) row by row, the direction (3), the lower limits (n), the upper (n).
-    Outputs: as `StraightMotion`, in its order.
+    Args:
+        given: (5 n + 3) the Jacobian row by row, the direction, the lower limits, the upper.
     """
-    tracer = Tracer(5 * n + 3)
-    return tracer.program(_flat(_motion_of(tracer.inputs, n)))
-
-
-def evaluate_straight_motion(numbers: list[float], n: int) -> list[Scalar]:
-    """Return the same outputs for given numbers, bit by bit those of the program."""
-    return _flat(_motion_of(tuple(numbers), n))
-
-
-def _motion_of(given: tuple[Scalar, ...], n: int) -> StraightMotion:
-    columns = [(given[i], given[n + i], given[2 * n + i]) for i in range(n)]
-    h, limits = given[3 * n : 3 * n + 3], given[3 * n + 3 :]
-    return straight_motion(
-        columns, (h[0], h[1], h[2]), list(zip(limits[:n], limits[n:], strict=True))
-    )
-
-
-def _flat(motion: StraightMotion) -> list[Scalar]:
+    n = (len(given) - 3) // 5
+    columns: list[Vector] = [(given[i], given[n + i], given[2 * n + i]) for i in range(n)]
+    x, y, z = given[3 * n : 3 * n + 3]
+    lower, upper = given[3 * n + 3 : 4 * n + 3], given[4 * n + 3 :]
+    motion = straight_motion(columns, (x, y, z), list(zip(lower, upper, strict=True)))
     return [motion.usable, motion.speed, *motion.qd, motion.primal, motion.gap]
 
 

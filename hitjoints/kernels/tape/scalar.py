@@ -34,11 +34,13 @@ class ScalarProgram:
         program: what to run.
         fused: products and sums may become one instruction; else, in a program without sines,
             every bit is as Python's floats have it.
+        effort: of compiling, see `compile_function`.
     """
 
-    def __init__(self, program: Tape, fused: bool = True) -> None:
+    def __init__(self, program: Tape, fused: bool = True, effort: int = 2) -> None:
         self.program = program
-        self._function, self._keep = compile_function(scalar_function(program, fused), SIGNATURE)
+        text = scalar_function(program, fused)
+        self._function, self._keep = compile_function(text, SIGNATURE, effort)
 
     def bind(self) -> Bound:
         """Return the program with arrays that nobody else has."""

@@ -38,6 +38,7 @@ class HitControls:
         heard: Callable[[Callable[[], None]], Callable[[object], None]],
     ) -> None:
         self._stage, wish = stage, stage.wish
+        self._source: Any = None
         joints = (BEST, *(str(k) for k in range(1, stage.robot.n + 1)))
         self.joint = gui.add_dropdown("hit with", joints, initial_value=str(stage.contact.joint))
         self.objective = gui.add_dropdown("objective", tuple(OBJECTIVES))
@@ -75,7 +76,11 @@ class HitControls:
         # To look at another joint is not to ask for a plan.
         self.joint.on_update(heard(lambda: do.change(self._choose, plans=stage.plan is not None)))
         for control, change in changes:
-            control.on_update(heard(partial(do.change, change)))
+            control.on_update(heard(partial(do.change, partial(self._change, control, change))))
+
+    def _change(self, control: Any, change: Callable[[], None]) -> None:
+        self._source = control
+        change()
 
     def _choose(self) -> None:
         said = self.joint.value
@@ -95,19 +100,24 @@ class HitControls:
         """Show what the stage says."""
         stage, wish = self._stage, self._stage.wish
         at_goal, filled = wish.goal is not None, stage.assumption.hit
-        self.joint.value = BEST if stage.follows_best else str(stage.contact.joint)
-        self.objective.value = wish.setting.objective
-        self.position.value = _three(wish.position)
-        self.way.value = "goal" if at_goal else "direction"
-        self.direction.value = _three(wish.direction)
         self.direction.visible = self.flux.visible = not at_goal
         self.goal.visible = at_goal
-        if wish.goal is not None:
-            self.goal.value = float(wish.goal[0]), float(wish.goal[1])
-        self.flux.value = float(wish.flux or 0.0)
-        self.mass.value = float(wish.mass)
-        self.restitution.value = float(filled.restitution or 0.0)
-        self.friction.value = float(filled.friction or 0.0)
+        goal = wish.position if wish.goal is None else wish.goal
+        for control, value in (
+            (self.joint, BEST if stage.follows_best else str(stage.contact.joint)),
+            (self.objective, wish.setting.objective),
+            (self.position, _three(wish.position)),
+            (self.way, "goal" if at_goal else "direction"),
+            (self.direction, _three(wish.direction)),
+            (self.goal, _three(goal)[:2]),
+            (self.flux, float(wish.flux or 0.0)),
+            (self.mass, float(wish.mass)),
+            (self.restitution, float(filled.restitution or 0.0)),
+            (self.friction, float(filled.friction or 0.0)),
+        ):
+            if control is not self._source:  # there the browser may be ahead: it is being typed in
+                control.value = value
+        self._source = None
 
 
 def _three(values: Any) -> tuple[float, float, float]:

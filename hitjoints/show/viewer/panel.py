@@ -69,7 +69,7 @@ class Panel:
     """
 
     def __init__(self, gui: Any, stage: Stage, do: Pressed) -> None:
-        self._stage, self._quiet = stage, False
+        self._stage, self._quiet, self._turned = stage, False, False
         gui.set_panel_label(f"hitjoints: {stage.robot.name}")
         self._build_timeline(gui, do)
         gui.add_html(SHEET)
@@ -119,7 +119,7 @@ class Panel:
         return callback
 
     def _turn(self) -> None:
-        robot = self._stage.robot
+        robot, self._turned = self._stage.robot, True
         wanted = np.array([slider.value for slider in self.sliders])
         self._stage.turn(np.clip(wanted, robot.lower, robot.upper))
 
@@ -150,8 +150,10 @@ class Panel:
         stage = self._stage
         self._quiet = True
         try:
-            for slider, value in zip(self.sliders, on_sliders(stage.robot, stage.q), strict=True):
-                slider.value = value
+            if not self._turned:  # else the browser may be ahead, and would be pulled back
+                for slider, q in zip(self.sliders, on_sliders(stage.robot, stage.q), strict=True):
+                    slider.value = q
+            self._turned = False
             self.time.value = min(round(stage.time, 3), self.time.max)
             self._joints.content = readout.joints(stage)
             self._here.content = readout.here(stage) + readout.note(self.scale)
