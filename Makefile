@@ -35,6 +35,7 @@ lint: $(VENV)/ready
 bench: $(VENV)/ready
 	$(BIN)/python -m benchmarks.peers.install
 	$(BIN)/python -m benchmarks --write
+	$(BIN)/python -m benchmarks.where_time_goes --write
 
 docs: $(VENV)/ready
 	$(BIN)/sphinx-build -W -q -b html docs docs/_build/html

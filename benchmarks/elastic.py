@@ -31,6 +31,8 @@ SLOWEST = 0.2
 """m/s: an arm next to a singularity whirls, and its contact hardly moves."""
 CASES = 1_000
 """Of `python -m benchmarks`."""
+LONG = 1.5
+"""Contact times after which a contact counts as long: the links swing back and push on."""
 GRAZING = 0.05
 """Share of the contact time: a second contact that follows sooner makes the parting doubtful."""
 
@@ -39,11 +41,17 @@ class Compared(NamedTuple):
     """One hit: the object's speed off by a share of it, the robot's by a share of the hit's speed.
 
     Attributes:
+        object_still: the same as object_off, by the closed form of an arm that stands still.
+        robot_still: the same as robot_off, by it.
+        lasting: the contact's time in units of what was asked for.
         grazing: whether they part at all hangs on the last digits.
     """
 
     object_off: float
     robot_off: float
+    object_still: float
+    robot_still: float
+    lasting: float
     grazing: bool
 
 
@@ -103,16 +111,25 @@ def compare(
             rotors=tuple(rotors.tolist()),
         )
         engine = strike(robot, state, how, lambda _, qd=state.qd: qd)  # type: ignore[misc]
-        told = hj.elastic_impact(
-            robot, state.q, state.contact, state.direction, state.mass, speed, eps, contact_time,
-            STIFFNESS, servo=(0.0, gain), qd=state.qd, rotor_inertia=rotors,
+        told, still = (
+            hj.elastic_impact(
+                robot, state.q, state.contact, state.direction, state.mass, speed, eps,
+                contact_time, STIFFNESS, servo=(0.0, gain), qd=motion, rotor_inertia=rotors,
+            )
+            for motion in (state.qd, None)
         )  # fmt: skip
         again = told.second_contact
-        yield Compared(
-            abs(told.object_speed / engine.object_speed - 1.0),
-            abs(told.robot_speed - speed - engine.rebound) / speed,
-            again is not None and again < GRAZING * contact_time,
-        )
+        offs = [
+            off
+            for one in (told, still)
+            for off in (
+                abs(one.object_speed / engine.object_speed - 1.0),
+                abs(one.robot_speed - speed - engine.rebound) / speed,
+            )
+        ]
+        grazing = again is not None and again < GRAZING * contact_time
+        a, b, c, d = offs
+        yield Compared(a, b, c, d, engine.contact_time / contact_time, grazing)
 
 
 def energy_grows(count: int, seed: int = 0) -> int:
@@ -151,10 +168,16 @@ def main(count: int) -> None:
         hits = planned(name, count)
         for time in TIMES:
             found = list(compare(name, hits, time))
-            off = 100 * np.array([one[:2] for one in found if not one.grazing])
+            off = 100 * np.array([one[:4] for one in found if not one.grazing])
             cells = ["  ".join(f"{v:6.3f}" for v in np.percentile(x, (50, 95, 100))) for x in off.T]
+            left = np.median(off[:, :2], axis=0) / np.median(off[:, 2:], axis=0)
+            long = sum(one.lasting > LONG for one in found)
             grazing = sum(one.grazing for one in found)
-            print(f"{name:8} {1e3 * time:4.0f} ms  {cells[0]}   {cells[1]}  grazing: {grazing}")
+            print(
+                f"{name:8} {1e3 * time:4.0f} ms  {cells[0]}   {cells[1]}  grazing: {grazing}, "
+                f"long: {long}; of a still arm's median {left[0]:.2f}, {left[1]:.2f}",
+                flush=True,
+            )
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import sys
 from collections import Counter
 from dataclasses import replace
 from itertools import pairwise
@@ -109,6 +110,8 @@ def run(count: int, draws: int, seed: int) -> dict[str, Any]:
             robot, found.swing.q_hit, found.hit, found.swing.speed, samples=4000, seed=seed + 1
         )
         tried = [arrives(found.swing, rng) for _ in range(draws)]
+        if (number + 1) % 20 == 0:
+            print(f"{number + 1} goals", file=sys.stderr, flush=True)
         rows.append((found.landing.within, again.within, float(np.mean(tried))))
     return {"count": count, "draws": draws, "seed": seed, "verdicts": verdicts, "rows": rows}
 

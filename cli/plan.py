@@ -52,7 +52,8 @@ class AimOptions(OptionGroup):
         str,
         typer.Option(
             "--objective",
-            help="inertia, flux, straight-flux, deliverable, or rebound with --flux.",
+            help="inertia, flux, straight-flux, deliverable, rebound with --flux, "
+            "or landing with --goal.",
             autocompletion=objectives,
         ),
     ] = "inertia"

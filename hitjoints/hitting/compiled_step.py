@@ -10,7 +10,14 @@ import numpy as np
 from hitjoints.built import chain_of, refused_by_name
 from hitjoints.errors import KernelMismatchError
 from hitjoints.hitting.step import SLOWED, Step
-from hitjoints.hitting.step_layout import GUESSES, HASTY, StepLayout, flat, no_guess
+from hitjoints.hitting.step_layout import (
+    GUESSES,
+    HASTY,
+    StepLayout,
+    flat,
+    no_guess,
+    unbounded,
+)
 from hitjoints.hitting.step_tape import Setting, record_step_of
 from hitjoints.kernels.reference import PinocchioAnswers
 from hitjoints.kernels.tape.backends import choose
@@ -21,6 +28,7 @@ if TYPE_CHECKING:
 
     from hitjoints.kernels.tape.scalar import ScalarProgram
     from hitjoints.model.robot import Contact, Robot
+    from hitjoints.programs.torque_rows import Impulses
     from hitjoints.types import Array
 
 FLOAT = np.dtype(float)
@@ -50,8 +58,31 @@ class CompiledStep:
         self._status = self._outputs[: at.changed + 1]
         self._qd, self._position = self._outputs[at.qd], self._outputs[at.position]
         self._scaling, self._numbers = at.scaling, self._outputs[at.numbers]
+        self._lower, self._upper = self._inputs[at.lower], self._inputs[at.upper]
+        self._asked = self._outputs[at.asked]
         self._first = no_guess(robot.n)
+        unbounded(self._inputs, at)
         self._guesses[:] = self._first
+
+    def within_torques(
+        self, q: Array, lower: Array, upper: Array, impulses: Impulses
+    ) -> Step | None:
+        """Return the step from q (n,) rad if torques do not matter for it, or None.
+
+        Then it is Eq. 7, no bound in the way, and neither it nor the answer of Eq. 12 takes more
+        than the motors have.
+
+        Args:
+            q: (n,) rad.
+            lower: (n,) rad/s, bounds beside those of the limits.
+            upper: (n,) rad/s, bounds beside those of the limits.
+            impulses: what the motors can do.
+        """
+        self._lower[:], self._upper[:] = lower, upper
+        step = self(q)
+        if step is None or not (self._guesses[q.size :] == self._first[q.size :]).all():
+            return None
+        return step if impulses.allow(step.qd) and impulses.allow(self._asked) else None
 
     def __call__(self, q: Any) -> Step | None:
         """Return the step from q (n,) rad, or None: not this way."""
@@ -133,6 +164,7 @@ def check_step(
         if not answers.moves:
             continue
         inputs[at.q], inputs[at.guesses] = q, no_guess(robot.n)
+        unbounded(inputs, at)
         inputs[at.setting] = flat(
             Setting(
                 (0.0, 0.0, 0.0), tuple(h), mass, 0.1, 0.002, 1.0, 0.0, 0.5, 0.5, 0.0, 0.0, tuple(q)

@@ -68,7 +68,8 @@ class Controller:
             number or (n,).
         compiled: take steps as one compiled call where its answer is proved right: ten times
             faster, after about half a second of compiling per robot and contact. Without llvmlite,
-            with torque or acceleration limits or law="paper", steps are taken the other way.
+            with acceleration limits or law="paper", steps are taken the other way; with torque
+            limits those in which the motors have less than is asked for.
 
     Raises:
         InputError: an argument cannot be used.
@@ -125,7 +126,7 @@ class Controller:
         self._low, self._high, self._shape = robot.lower, robot.upper, (robot.n,)
         self._previous = np.zeros(robot.n)
         self._compiled: CompiledStep | None = None
-        if compiled and law == "qp" and not (torque_limits or limited) and compiles():
+        if compiled and law == "qp" and not limited and compiles():
             self._compiled = CompiledStep(
                 robot,
                 self.contact,
@@ -198,13 +199,18 @@ class Controller:
             q = self._touching(q)
         if qd is None and q is not given and self._take(q):
             return self._previous
-        state = self.point.observe(q, self.direction)
         lower, upper = self.bounds(q)
         now = self._previous if qd is None else self._velocity(qd)
         impulses, kept = None, True
         if self.torques is not None:
             impulses = self.torques.impulses(q, now)
             lower, upper = self.torques.bounds(q, now, impulses, lower, upper)
+            if self._compiled is not None:
+                step = self._compiled.within_torques(q, lower, upper, impulses)
+                if step is not None and self._can_stop(q, step.qd):
+                    self.last, self._previous = step, step.qd
+                    return step.qd
+        state = self.point.observe(q, self.direction)
         if self.accelerations is not None:
             lower, upper = self.accelerations.stopping(q, lower, upper)
         pull = self.direction @ state.J
@@ -242,7 +248,7 @@ class Controller:
 
     def _take(self, q: ArrayLike) -> bool:
         """Take the step as one compiled call, and tell whether that went well."""
-        taken = None if self._compiled is None else self._compiled(q)
+        taken = None if self._compiled is None or self.torques is not None else self._compiled(q)
         if taken is None:
             return False
         self.last, self._previous = taken, taken.qd

@@ -24,6 +24,8 @@ class StepLayout:
         q: of the inputs (n).
         guesses: of the inputs (2 n + 1).
         setting: of the inputs.
+        lower: of the inputs, bounds (n) beside those of the limits; -inf for none.
+        upper: of the inputs, the same; inf for none.
         one_by_one: of the inputs.
         usable: of the outputs.
         exact: of the outputs.
@@ -34,17 +36,19 @@ class StepLayout:
         position: of the outputs (3).
         numbers: of the outputs: inertia, desired inertia, speed, flux, out of reach.
         gradient: of the outputs (n).
+        asked: of the outputs, the answer of Eq. 12 (n).
     """
 
     def __init__(self, n: int) -> None:
         self.q, self.guesses = slice(0, n), slice(n, 3 * n + 1)
-        self.setting, self.one_by_one = slice(3 * n + 1, 4 * n + 16), 4 * n + 16
+        self.setting, self.one_by_one = slice(3 * n + 1, 4 * n + 16), 6 * n + 16
+        self.lower, self.upper = slice(4 * n + 16, 5 * n + 16), slice(5 * n + 16, 6 * n + 16)
         self.usable, self.exact, self.changed = 0, 1, 2
         self.following = slice(3, 2 * n + 4)
         self.qd, self.scaling = slice(2 * n + 4, 3 * n + 4), 3 * n + 4
         self.position = slice(3 * n + 5, 3 * n + 8)
         self.numbers = slice(3 * n + 8, 3 * n + 13)
-        self.gradient = slice(3 * n + 13, 4 * n + 13)
+        self.gradient, self.asked = slice(3 * n + 13, 4 * n + 13), slice(4 * n + 13, 5 * n + 13)
 
 
 def no_guess(n: int) -> Array:
@@ -52,6 +56,11 @@ def no_guess(n: int) -> Array:
     guess = np.zeros(2 * n + 1)
     guess[-1] = 1.0
     return guess
+
+
+def unbounded(inputs: Array, at: StepLayout) -> None:
+    """Set no bounds beside those of the limits, in the inputs of one step or of columns."""
+    inputs[at.lower], inputs[at.upper] = -np.inf, np.inf
 
 
 def flat(setting: Setting) -> Array:

@@ -77,27 +77,28 @@ class Setting(NamedTuple):
 def record_step_of(chain: Chain, contact: Attachment) -> Tape:
     """Record a control step.
 
-    Inputs: q (n), the guesses for Eq. 12 (n) and for the law (n + 1), the `Setting`, and 1 to
-    change one entry of each guess only, else 0. Outputs: whether a step can be made so (positive),
+    Inputs: q (n), the guesses for Eq. 12 (n) and for the law (n + 1), the `Setting`, bounds of the
+    joint velocities beside those of the limits (n), (n), and 1 to change one entry of each guess
+    only, else 0. Outputs: whether a step can be made so (positive),
     whether this one misses nothing (positive), how much the guesses changed, the next guesses, qd
     (n), s, the contact's position (3), inertia, desired inertia, speed along the direction, flux,
-    whether the wish is out of reach (1 or 0), the gradient (n).
+    whether the wish is out of reach (1 or 0), the gradient (n), the answer of Eq. 12 (n).
 
     Args:
         chain: the arm, with its limits.
         contact: as `Chain.attach` returns it.
     """
     n = chain.size
-    tracer = Tracer(3 * n + 1 + 15 + n + 1)
+    tracer = Tracer(3 * n + 1 + 15 + n + 2 * n + 1)
     numbers = tracer.inputs
     q = numbers[:n]
     first: list[Scalar] = list(numbers[n : 2 * n])
     second: list[Scalar] = list(numbers[2 * n : 3 * n + 1])
-    given, one_by_one = _setting(numbers[3 * n + 1 : -1]), numbers[-1]
+    given, one_by_one = _setting(numbers[3 * n + 1 : 4 * n + 16]), numbers[-1]
     hit = _hit(chain, contact, q, given)
     J = _columns(hit, n)
     inertia, gradient = hit.finite_inertia(), _gradient(hit)
-    lower, upper = _bounds(chain, q, given.dt)
+    lower, upper = _bounds(chain, q, given.dt, numbers[4 * n + 16 : -1])
     reach: Scalar = 0.0
     for g, low, high in zip(hit.g, lower, upper, strict=True):
         reach = reach + maximum(g * low, g * high)
@@ -149,6 +150,7 @@ def record_step_of(chain: Chain, contact: Attachment) -> Tape:
             along / (1.0 + given.mass * hit.mobility_value),
             where_less(reach, wanted, 1.0, 0.0),
             *gradient,
+            *desired_step.x,
         ]
     )
 
@@ -187,12 +189,17 @@ def _gradient(hit: HitFormulas) -> list[Scalar]:
     return [scale * d for d in hit.mobility_gradient()]
 
 
-def _bounds(chain: Chain, q: tuple[Scalar, ...], dt: Scalar) -> tuple[list[Scalar], list[Scalar]]:
+def _bounds(
+    chain: Chain, q: tuple[Scalar, ...], dt: Scalar, tighter: tuple[Scalar, ...]
+) -> tuple[list[Scalar], list[Scalar]]:
+    n = chain.size
     lower = [
-        maximum(link.slowest, (link.lower - a) / dt) for link, a in zip(chain.links, q, strict=True)
+        maximum(maximum(link.slowest, (link.lower - a) / dt), low)
+        for link, a, low in zip(chain.links, q, tighter[:n], strict=True)
     ]
     upper = [
-        minimum(link.fastest, (link.upper - a) / dt) for link, a in zip(chain.links, q, strict=True)
+        minimum(minimum(link.fastest, (link.upper - a) / dt), high)
+        for link, a, high in zip(chain.links, q, tighter[n:], strict=True)
     ]
     return lower, upper
 

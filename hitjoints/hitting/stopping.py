@@ -14,10 +14,10 @@ TINY = 1e-12
 
 
 def stopping_speed(distance: Array, rate: Array, dt: float) -> Array:
-    """Return the greatest speeds (n,) from which joints stop within distances (n,), step by step.
+    """Return the greatest speeds (..., n) from which joints stop within distances (..., n).
 
-    With v the speed of the coming step and a deceleration `rate` (n,) from then on, the way is
-    dt (v + (v - rate dt) + (v - 2 rate dt) + ...); this solves it for v.
+    Step by step: with v the speed of the coming step and a deceleration `rate` (n,) from then on,
+    the way is dt (v + (v - rate dt) + (v - 2 rate dt) + ...); this solves it for v.
     """
     with np.errstate(invalid="ignore"):  # a joint without limits is infinitely far from them
         more = np.floor((np.sqrt(1.0 + 8.0 * distance / (rate * dt**2)) - 1.0) / 2.0)

@@ -92,21 +92,24 @@ class TorqueLimits:
         """
         robot, dt = self._robot, self.dt
         left, M = self._left(qd, impulses), np.abs(impulses.M)
-        rates = self.rates_alone(qd, impulses)
+        rates = self._alone(left, M)
         near = self._fastest**2 / rates > np.where(qd > 0, robot.upper - q, q - robot.lower)
-        together = float(np.max(M @ np.where(near, self._fastest, 0.0) / left))
+        together = float((M @ np.where(near, self._fastest, 0.0) / left).max())
         rates = FORESIGHT * np.minimum(rates, self._fastest / max(together, TINY))
-        most = stopping_speed(robot.upper - q, rates, dt)
-        least = -stopping_speed(q - robot.lower, rates, dt)
+        rooms = np.array((robot.upper - q, q - robot.lower))
+        most, least = stopping_speed(rooms, rates, dt)
         return (
-            np.maximum(lower, np.minimum(least, qd + rates * dt)),
+            np.maximum(lower, np.minimum(-least, qd + rates * dt)),
             np.minimum(upper, np.maximum(most, qd - rates * dt)),
         )
 
     def rates_alone(self, qd: Array, impulses: Impulses) -> Array:
         """Return the decelerations (n,) rad/s^2 that each joint could have if it braked alone."""
-        left, M = self._left(qd, impulses), np.abs(impulses.M)
-        alone = np.min(left[:, None] / np.maximum(M, TINY), axis=0)
+        return self._alone(self._left(qd, impulses), np.abs(impulses.M))
+
+    def _alone(self, left: Array, M: Array) -> Array:
+        """Return the same, for the torques left (n,) N m and |M| (n, n)."""
+        alone = (left[:, None] / np.maximum(M, TINY)).min(axis=0)
         return np.asarray(np.minimum(alone, self._hardest))
 
     def can_stop(self, q: Array, qd: Array) -> bool:
@@ -134,7 +137,7 @@ class TorqueLimits:
             return None
         size, sign = np.abs(qd), np.sign(qd)
         if rates is None:
-            easy = 0.5 * self._fastest / float(np.max(np.abs(M) @ self._fastest / left))
+            easy = 0.5 * self._fastest / float((np.abs(M) @ self._fastest / left).max())
             rates = np.maximum(np.minimum(easy, self._hardest), stopping_rate(room, size, self.dt))
         elif (rates < stopping_rate(room, size, self.dt) * (1.0 - ROUNDING)).any():
             return None
@@ -143,16 +146,16 @@ class TorqueLimits:
         if (np.abs(effects - M @ (sign * rates)) > most).any():
             return None
         times = size / rates
-        for time in np.unique(times[size > STILL * self._fastest]):
-            passed = np.minimum(time, times)
-            state = (
-                q + sign * (size * passed - rates * passed**2 / 2.0),
-                sign * np.maximum(size - rates * time, 0.0),
-                np.where(times >= time, -sign * rates, 0.0),
-            )
-            if (np.abs(pin.rnea(robot.model, robot.data, *state)) > robot.effort).any():
-                return None
-        return rates
+        ends = times[size > STILL * self._fastest][:, None]  # all of them at once, in rows
+        passed = np.minimum(ends, times)
+        positions = q + sign * (size * passed - rates * passed**2 / 2.0)
+        velocities = sign * np.maximum(size - rates * ends, 0.0)
+        slowing = np.where(times >= ends, -sign * rates, 0.0)
+        model, data = robot.model, robot.data
+        states = zip(positions, velocities, slowing, strict=True)
+        torques = np.array([pin.rnea(model, data, *state) for state in states])
+        within = np.abs(torques.reshape(-1, robot.n)) <= robot.effort
+        return rates if within.all() else None
 
     def _left(self, qd: Array, impulses: Impulses) -> Array:
         """Return the torques (n,) N m that are left for braking."""

@@ -75,6 +75,8 @@ def plan_joint(task: Task, request: Request) -> Verdict:
             f"none of the {min(MOST_ASKED, len(found.x) + len(found.screened))} best "
             f"configurations of joint {task.contact.joint} is accepted"
         )
+        if said := getattr(request.accept, "reason", ""):
+            reason = f"{reason}: {said}"
         return Refusal(task.contact.joint, reason, evidence=evidence_of(found))
     return _candidate(problem, found, q, request)
 

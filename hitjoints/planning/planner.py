@@ -28,6 +28,7 @@ from hitjoints.planning.objectives.registry import objective_named
 from hitjoints.planning.plan_record import Plan
 from hitjoints.planning.real_arm import ranked_again
 from hitjoints.planning.request import Request
+from hitjoints.planning.room.margin_kept import MarginKept
 from hitjoints.planning.room.surroundings import Surroundings
 from hitjoints.planning.start import Start, fastest_start, plan_start
 from hitjoints.planning.task import Task
@@ -131,7 +132,9 @@ def plan(  # noqa: PLR0913
     for task in counted(tasks, "joints"):
         hinted = None if hints is None else hints.get(task.contact.joint)
         hinted = None if hinted is None else np.atleast_2d(robot.configuration(hinted, "hints"))
-        demands = _demands(task, accept, surroundings)
+        demands = accept
+        if surroundings is not None and surroundings.margin is not None:
+            demands = MarginKept(task, surroundings, accept)
         known = None if near is None else planned_at(near, task, digest)
         one = plan_joint(task, replace(request, accept=demands, hints=hinted, near=known))
         if one.q is not None and surroundings is not None:
@@ -229,20 +232,6 @@ def _arriving(robot: Robot, hit: Hit, one: Candidate) -> float:
         return landing(robot, one.q, chosen, speed, seed=hit.setting.seed).within
     except InfeasibleError:  # none of them simply slides
         return 0.0
-
-
-def _demands(
-    task: Task, accept: Callable[[Array], bool] | None, surroundings: Surroundings | None
-) -> Callable[[Array], bool] | None:
-    """Return what a configuration must satisfy beyond the planning problem, if anything."""
-    if surroundings is None or surroundings.margin is None:
-        return accept
-
-    def both(q: Array) -> bool:
-        room = surroundings.leave_room(task.robot, q, task.contact, task.direction)
-        return room and (accept is None or accept(q))
-
-    return both
 
 
 def _start(task: Task, best: Candidate, flux: float | None, torque_limits: bool) -> Start:

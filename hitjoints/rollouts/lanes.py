@@ -11,7 +11,7 @@ from hitjoints.errors import InfeasibleError
 from hitjoints.hitting.approach import STILL, before_it, most_steps, steps_of_patience
 from hitjoints.hitting.controller import Controller
 from hitjoints.hitting.step import SLOWED
-from hitjoints.hitting.step_layout import flat
+from hitjoints.hitting.step_layout import flat, unbounded
 from hitjoints.hitting.step_rows import step_rows_for
 from hitjoints.hitting.step_tape import Setting
 
@@ -86,6 +86,7 @@ class Lanes:
         inputs = np.zeros((self.step.run.program.inputs, len(rows)))
         inputs[at.q], inputs[at.guesses] = q, self.step.first[:, None]
         inputs[at.setting] = self._settings[:, rows]
+        unbounded(inputs, at)
         return inputs
 
     def approach(self, tallies: Tallies) -> Approaches:

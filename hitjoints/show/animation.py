@@ -9,6 +9,7 @@ import numpy as np
 
 from hitjoints.counting import counted
 from hitjoints.datasets.files import check_writable, write_whole
+from hitjoints.show.arm_faces import box_centre
 from hitjoints.show.drawn_arm import BoxAt, add_ground, arm_picture, chain
 from hitjoints.show.sheet import Sheet
 from hitjoints.show.style import Look
@@ -83,6 +84,7 @@ class _Film:
             self.box_times = np.concatenate((rows["time"], rows["time"][-1] + slid["slide_time"]))
             self.centres = np.concatenate((self.centres, slid["slide_position"]))
             self.turns = np.concatenate((self.turns, slid["slide_quaternion"]))
+        self.centres = self.centres + self._to_the_surface(self.q[len(approach)])
         length = self.box_times[-1] - self.arm_times[0]
         count = min(PICTURES, int(length * RATE * SLOWER) + 2)
         self.times = np.linspace(self.arm_times[0], self.box_times[-1], count)
@@ -93,6 +95,17 @@ class _Film:
         self.seen = np.vstack((*(chain(robot, q) for q in ends), boxes))
         shown = [self.picture(time).bounds() for time in (*self.times[[0, -1]], 0.0)]
         self.bounds = np.stack([np.min(shown, axis=0)[:, 0], np.max(shown, axis=0)[:, 1]], axis=1)
+
+    def _to_the_surface(self, q: Array) -> Array:
+        """Return how far the box is drawn ahead (3,) m: the engine knows a point that hits it.
+
+        Args:
+            q: (n,) rad, at the first touch.
+        """
+        impact, robot = self.result.impact, self.result.motion.robot
+        h, size = impact.direction, np.array(self.result.setting.size)
+        touched = box_centre(robot, q, impact.contact, h, size, _rotation(self.turns[0]))
+        return np.asarray(max(0.0, float(h @ (touched - self.centres[0]))) * h)
 
     def picture(self, time: float) -> Picture:
         """Return what there is to see at a time (s)."""

@@ -21,6 +21,7 @@ by_name = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_everything_on_a_page_runs(page, tmp_path, monkeypatch, run):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")
+    monkeypatch.setenv("COLUMNS", "80")
     namespace = {"__name__": page.stem}
     runnable = [b for b in blocks(page) if not (b.directive or "not run" in b.notes)]
     for block in runnable:

@@ -75,7 +75,7 @@ def test_agrees_with_constrained_bodies(seed):
 def test_an_edge_that_would_slip_back_sticks():
     """Hit so high, the box turns about its edge as about a hinge."""
     mass, friction, height = 1.3, 0.5, 0.08
-    length, width, up = size = (0.1, 0.15, 0.2)
+    length, _, up = size = (0.1, 0.15, 0.2)
     one = np.ones(1)
     box = Boxes(mass * one, np.array(size), 0 * one, 0 * one, height, friction * one)
     hinge = mass / 12 * (length**2 + up**2) + mass / 4 * (length**2 + up**2)

@@ -14,9 +14,10 @@ from hitjoints.kernels.formulas.bounded import (
     with_the_flux,
 )
 from hitjoints.programs.following import PROGRESS, following_terms
-from hitjoints.programs.joint_velocity import RHO, flux_terms
+from hitjoints.programs.joint_velocity import RHO, WITHIN_REACH, flux_terms, most_flux_terms
 from hitjoints.programs.problem import Program
 from hitjoints.programs.solver import solve
+from hitjoints.programs.torque_rows import with_impulses
 
 OPTIONS = (
     {},
@@ -157,10 +158,64 @@ def test_bad_input_is_refused_as_ever():
     assert control.step(start.tolist()) == pytest.approx(control.step(start), abs=1e-9)
 
 
-def test_without_llvm_and_with_torque_limits_it_is_left_out(monkeypatch):
+def within_torques(robot, reference):
+    """Steps with torque limits that were compiled: the controller, q, qd, its step and bounds."""
+    for hit, posture, start in cases(robot, 4, 3):
+        given = {"dt": 0.004, "posture": posture, "torque_limits": True, "reference": reference}
+        fast = hj.Controller(robot, hit, posture, **given)
+        slow = hj.Controller(robot, hit, posture, compiled=False, **given)
+        q, qd = start, np.zeros(7)
+        for _ in range(40):
+            impulses = fast.torques.impulses(q, qd)
+            bounds = fast.torques.bounds(q, qd, impulses, *fast.bounds(q))
+            taken = fast._compiled.within_torques(q, *bounds, impulses)
+            fast.step(q, qd)
+            assert (np.abs(impulses.M @ fast.last.qd + impulses.b) <= impulses.limit + 2e-7).all()
+            if taken is not None and fast.torques.can_stop(fast.follow(q, taken.qd), taken.qd):
+                np.testing.assert_array_equal(fast.last.qd, taken.qd)
+                yield fast, slow, q, qd, bounds
+            qd = fast.last.qd
+            q = fast.follow(q, qd)
+            if fast.arrived:
+                break
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "panda"])
+def test_steps_within_torques_are_those_of_the_controller_without_it(name):
+    robot, compiled = hj.load_robot(name), 0
+    for fast, slow, q, qd, _ in within_torques(robot, "constant"):
+        compiled += 1
+        np.testing.assert_allclose(slow.step(q, qd), fast.last.qd, atol=1e-8)
+        for a, b in zip(fast.last, slow.last, strict=True):
+            np.testing.assert_allclose(a, b, rtol=1e-8, atol=1e-8)
+    assert compiled > 40
+
+
+def test_equation_12_within_torques_is_that_of_the_certifying_solver():
+    """With torque rows: the other way knows it to 1e-7 of a cost of 1e3, which is not enough."""
+    robot, compiled = hj.load_robot("panda"), 0
+    for fast, _, q, qd, (lower, upper) in within_torques(robot, "optimised"):
+        state, impulses = fast.point.observe(q, fast.direction), fast.torques.impulses(q, qd)
+        pull = fast.direction @ state.J
+        reach = pull @ np.where(pull > 0, upper, lower)
+        speed = min(fast.hit.speed(state.inertia), reach)
+        asked = speed if speed < reach else WITHIN_REACH * reach
+        f = fast._field(state.position, speed)
+        terms = most_flux_terms(state.J, f, pull, asked, np.ones(7), RHO)
+        H, c, A, b = with_impulses(terms, impulses)
+        low = np.concatenate((lower, [-10.0], -impulses.limit))
+        high = np.concatenate((upper, [1.0], impulses.limit))
+        if compiled % 10 == 0:
+            best = solve(Program(c, low, high, H=H, A=A, b=b)).x
+            np.testing.assert_allclose(fast._compiled._asked, best[:7], atol=1e-7)
+        compiled += 1
+    assert compiled > 40
+
+
+def test_without_llvm_and_with_acceleration_limits_it_is_left_out(monkeypatch):
     robot = hj.load_robot("iiwa14")
     (hit, posture, start), *_ = cases(robot, 1, 5)
-    assert hj.Controller(robot, hit, posture, torque_limits=True)._compiled is None
+    assert hj.Controller(robot, hit, posture, acceleration_limits=True)._compiled is None
     assert hj.Controller(robot, hit, posture, law="paper")._compiled is None
     fast = hj.Controller(robot, hit, posture, posture=posture)
     monkeypatch.setattr(compiled_step, "choose", lambda: "numpy")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import hitjoints as hj
+from hitjoints.planning.room.shapes import Scene
 
 HIT = ([0.5, 0.3, 0.5], [0, 1, 0], 2.0)
 
@@ -38,7 +39,22 @@ def test_a_margin_that_nothing_keeps(robot):
     around = hj.Surroundings(table_height=0.6, margin=0.0)
     planned = hj.plan(robot, *HIT, joints=[6], certificate=False, surroundings=around)
     assert planned.best is None
-    assert "is accepted" in planned.candidates[0].reason
+    reason = planned.candidates[0].reason
+    assert "is accepted: margin of 0 m not kept: link_" in reason
+    assert "and table come within -" in reason
+
+
+def test_a_margin_that_is_too_much_says_which_pair_and_how_near(robot):
+    far = hj.Surroundings(margin=0.3)
+    planned = hj.plan(robot, *HIT, joints=[7], certificate=False, surroundings=far)
+    reason = planned.candidates[0].reason
+    found = re.search(r"margin of 0.3 m not kept: (\S+) and (\S+) come within (\S+) m", reason)
+    assert 0.05 < float(found[3]) < 0.3
+    assert {found[1], found[2]} <= {name for pair in robot_links(robot) for name in pair}
+
+
+def robot_links(robot):
+    return Scene(robot).pairs
 
 
 def test_the_start_leads_to_the_hit(robot):

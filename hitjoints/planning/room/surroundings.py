@@ -74,17 +74,14 @@ class Surroundings:
         room = self.object_size, self.table_height
         return clearance(robot, q, contact, h, *room, approach=APPROACH)
 
-    def leave_room(
+    def look(
         self, robot: Robot, q: NDArray[np.float64], contact: Contact, h: NDArray[np.float64]
-    ) -> bool:
-        """Tell whether a configuration and its approach keep the margin (always, with none)."""
-        if self.margin is None:
-            return True
+    ) -> Clearance:
+        """Return the clearance at q (n,), of the approach too where q alone keeps the margin."""
         # The configuration alone is a hundred times cheaper, and refuses most.
         here = clearance(robot, q, contact, h, self.object_size, self.table_height)
-        if here.least < self.margin:
-            return False
-        return self.clearance(robot, q, contact, h).least >= self.margin
+        short = self.margin is not None and here.least < self.margin
+        return here if short else self.clearance(robot, q, contact, h)
 
 
 def _held(
