@@ -135,7 +135,7 @@ def test_several_hits_need_a_goal(robot):
     hit = hj.Hit(7, (0.5, 0.2, 0.4), (0, 1, 0), 1.0, 0.2, setting=HitSetting(hits=2))
     with pytest.raises(InputError, match="hits = 2: several hits need a goal"):
         hj.answer(hit, robot)
-    with pytest.raises(InputError, match="hits = 0: a whole number from 1"):
+    with pytest.raises(InputError, match="hits = 0: at least 1"):
         HitSetting(hits=0)
 
 
