@@ -224,7 +224,10 @@ def main() -> None:
     parser.add_argument("count", type=int, nargs="?", default=20)
     parser.add_argument("arms", nargs="*")
     parser.add_argument("--keep", type=Path)
+    parser.add_argument("--stated", type=float, help="rad/s^2, for arms that tell no limits")
     given = parser.parse_intermixed_args()
+    if given.stated is not None:
+        STATED.update(dict.fromkeys(STATED, given.stated))
     kept: list[dict[str, Any]] = []
     if given.keep is not None and given.keep.exists():
         kept = [json.loads(line) for line in given.keep.read_text().splitlines()]

@@ -11,6 +11,7 @@ from hitjoints.version import __version__
 
 from . import (
     calibrate,
+    export,
     hit_command,
     inspect,
     plan,
@@ -49,6 +50,7 @@ app.command("inspect")(grouped(inspect.inspect, told))
 app.add_typer(sweep.app, name="sweep")
 for name, command in COMMANDS.items():
     app.command(name)(grouped(command, told))
+app.add_typer(export.app, name="export")
 app.add_typer(robots.app, name="robots")
 
 

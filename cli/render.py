@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 import textwrap
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -124,7 +125,16 @@ def _drawn(table: list[list[str]], width: int) -> Iterable[str]:
             ]
             yield (" " * GAP).join(line)
         if number == 0:
-            yield "\u2500" * (sum(widths) + GAP * (len(widths) - 1))
+            yield _rule() * (sum(widths) + GAP * (len(widths) - 1))
+
+
+def _rule() -> str:
+    """Return what a line is drawn with, as far as stdout has letters for it."""
+    try:
+        "\u2500".encode(getattr(sys.stdout, "encoding", None) or "utf-8")
+    except UnicodeEncodeError:
+        return "-"
+    return "\u2500"
 
 
 def _cell(value: object) -> str:

@@ -60,10 +60,10 @@ def view(
     page that plays the motion without a server.
     """
     from hitjoints.datasets.files import write_whole
+    from hitjoints.show.viewer.making import planned as plan_for
     from hitjoints.show.viewer.open_viewer import open_stage
     from hitjoints.show.viewer.shown_file import read_shown
     from hitjoints.show.viewer.solids import why_bars
-    from hitjoints.show.viewer.stage import planned as plan_for
 
     held = None if shown is None else read_shown(shown)
     if held is not None and held.clip is None:

@@ -2,6 +2,7 @@
 
 from .answers.answer import answer as answer
 from .answers.answer_record import Answer as Answer
+from .c_source import c_source as c_source
 from .dynamics.inertia import inverse_inertia as inverse_inertia
 from .dynamics.kinematics import (
     FeasibleDirections as FeasibleDirections,

@@ -178,3 +178,11 @@ def test_a_damaged_data_set_is_refused_in_a_line(rolled, tmp_path):
             continue
         refused += 1
     assert refused > 20
+
+
+@pytest.mark.parametrize("command", ["rollout", "simulate", "swing"])
+def test_what_a_command_says_keeps_its_hit(run, tmp_path, command):
+    (tmp_path / "said.json").write_text(run(command, "--joint", 7, "--flux", 0.2, "--json").out)
+    kept = hj.load_hit(tmp_path / "said.json")
+    assert (kept.flux, kept.chosen_contact.joint) == (0.2, 7)
+    assert kept.setting.robot.source == "iiwa14"

@@ -14,6 +14,7 @@ from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
+PROGRAM = "hitjoints"
 SAID_IN_WORDS = re.compile(r"default[:s ]|\(default")
 
 
@@ -27,13 +28,14 @@ class Described(NamedTuple):
 
 
 def commands() -> dict[str, Any]:
-    """Return every command that does something, by what is typed for it."""
+    """Return every command that does something, by what is typed for it, and the program itself."""
     import typer
 
     from hitjoints.cli.app import app
 
-    found: dict[str, Any] = {}
-    waiting = [("", typer.main.get_command(app))]
+    program = typer.main.get_command(app)
+    found: dict[str, Any] = {PROGRAM: program}
+    waiting: list[tuple[str, Any]] = [("", program)]
     while waiting:
         name, command = waiting.pop(0)
         below = getattr(command, "commands", {})
@@ -49,9 +51,10 @@ def described(name: str, command: Any) -> Described:
     panels: dict[str, list[tuple[str, str]]] = {}
     for parameter in command.params:
         if not parameter.hidden:
-            told = _typed(parameter), _meaning(parameter)
-            panels.setdefault(parameter.rich_help_panel or "Options", []).append(told)
-    usage = " ".join(["hitjoints", name, *given, "[OPTIONS]"])
+            option = _typed(parameter), _meaning(parameter)
+            panels.setdefault(parameter.rich_help_panel or "Options", []).append(option)
+    typed = [PROGRAM] if name == PROGRAM else [PROGRAM, name]
+    usage = " ".join([*typed, *given, "[OPTIONS]"])
     return Described(usage, (command.help or "").split("\n\n"), panels)
 
 

@@ -184,18 +184,21 @@ def _lattice(hit: Hit, axes: Array, reach: float) -> Array:
     """Return places (P, 3) m within reach: the object's, its goal, and those between and around."""
     assert hit.goal is not None
     middle, parts = hit.position[:2], []
+    far = reach + float(np.linalg.norm(middle))
     for axis in axes:
         whole = float(axis @ (hit.goal[:2] - middle))
         whole = whole if abs(whole) > STRAIGHT else 0.0
-        step = abs(whole) / max(2, math.ceil(abs(whole) / SPACING)) or SPACING
-        most = math.ceil((reach + float(np.linalg.norm(middle))) / step)
-        parts.append(step * np.arange(-most, most + 1))
+        # A goal that is nearer than the spacing has lines of its own: finer ones would be too many.
+        near = abs(whole) < SPACING
+        step = SPACING if near else abs(whole) / max(2, math.ceil(abs(whole) / SPACING))
+        lines = step * np.arange(-math.ceil(far / step), math.ceil(far / step) + 1)
+        parts.append(np.union1d(lines, lines + whole) if near else lines)
     grid = np.stack(np.meshgrid(*parts, indexing="ij"), axis=-1).reshape(-1, 2)
     places = middle + grid @ axes
-    far = np.linalg.norm(places, axis=1)
+    out = np.linalg.norm(places, axis=1)
     ends = np.stack((middle, hit.goal[:2]))
     apart = np.linalg.norm(places[:, None] - ends, axis=2).min(axis=1) > STRAIGHT
-    kept = places[(far <= reach) & (far >= BASE) & apart]
+    kept = places[(out <= reach) & (out >= BASE) & apart]
     level = np.concatenate((ends, kept))
     return np.column_stack((level, np.full(len(level), hit.position[2])))
 

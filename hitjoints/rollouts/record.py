@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from hitjoints.datasets.describe import origin
+from hitjoints.datasets.describe import origin, versions
 from hitjoints.plotted import Plotted
 from hitjoints.told import Told
 
@@ -189,7 +190,10 @@ class Rollout(Told, Plotted):
                 k: getattr(v, "tolist", lambda v=v: v)() for k, v in vars(self.impact).items()
             }
         times = self.step_times if self.step_times.size else np.zeros(1)
+        asked = self.parameters.get("hit")
         return {
+            "asked": None if asked is None else json.loads(asked),
+            "made_with": versions(),
             "impact": impact,
             "hit": not self.reason,
             "reason": self.reason,

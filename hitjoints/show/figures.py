@@ -276,8 +276,7 @@ def _drawn(
         if given:
             raise InputError(given[0], options[given[0]], "an axis given as ax has its own look")  # type: ignore[literal-required]
         main(ax)
-        drawn = ax.get_figure(root=True)
-        assert drawn is not None
+        drawn: Figure = ax.figure.figure  # of a part of a figure, the whole
         return drawn
     look = Look(**options)
     with look.applied():

@@ -22,7 +22,7 @@ NARROWEST = 2.3
 NARROW = 1.7
 LOW = (1.2, 0.75, 0.62, 0.5)
 """Height of a panel by its width, at most, where one, two, three or more stand in a column."""
-HARD = "\x00"  # a space that no line is broken at
+FORMULA = "\x00" * 4  # stands for one while lines are broken: about as wide
 COLOUR_BAR = "<colorbar>"
 LETTER = 0.55
 """Width of a letter by its height, about."""
@@ -154,9 +154,11 @@ def below(axis: Axes, lines: float, columns: int, **options: Any) -> None:
 
 def wrapped(text: str, width: float, size: float = 1.0) -> str:
     """Return a text in lines that fit a width (in)."""
-    whole = re.sub(r"\$[^$]*\$", lambda maths: maths[0].replace(" ", HARD), text)
-    lines = [textwrap.wrap(line, letters(width, size)) for line in whole.split("\n")]
-    return "\n".join("\n".join(line) for line in lines).replace(HARD, " ")
+    formulas = re.findall(r"\$[^$]*\$", text)
+    plain = re.sub(r"\$[^$]*\$", FORMULA, text)
+    lines = [textwrap.wrap(line, letters(width, size)) for line in plain.split("\n")]
+    broken = "\n".join("\n".join(line) for line in lines)
+    return re.sub(FORMULA, lambda _: formulas.pop(0), broken)
 
 
 def save_figure(figure: Figure, path: Path, argument: str = "plot") -> None:

@@ -217,6 +217,7 @@ class Swing(Told, Plotted):
             "closest": self.closest,
             "unknown": list(self.limits.unknown),
             "hit": self.hit.as_dict(),
+            "made_with": versions(),
             "tried": self.tried,
             "notes": list(self.notes),
         }

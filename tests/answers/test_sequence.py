@@ -55,6 +55,16 @@ def test_the_map_is_below_the_planned_optimum_and_near_it(robot):
             assert found.flux[p, d, 0] <= best.deliverable_flux * (1 + 1e-6)
 
 
+@pytest.mark.parametrize(("near", "yaw"), [(2e-6, 0.0), (0.05, 0.03), (0.3, 1e-5)])
+def test_a_goal_next_to_the_object_does_not_fill_the_memory(robot, near, yaw):
+    x, y, z = wish().position
+    graph = WayGraph(robot, wish(goal=(x, y + near, z), yaw=yaw))
+    assert len(graph.places) < 2500
+    np.testing.assert_allclose(graph.places[:2, 1], (y, y + near), atol=1e-12)
+    apart = np.linalg.norm(graph.places[2:, None] - graph.places[:2], axis=2)
+    assert apart.min() > 1e-6
+
+
 def test_a_way_takes_the_fewest_hits_and_goes_along_faces(robot):
     graph = WayGraph(robot, wish())
     assert graph.best(1) == []
@@ -135,7 +145,7 @@ def test_several_hits_need_a_goal(robot):
     hit = hj.Hit(7, (0.5, 0.2, 0.4), (0, 1, 0), 1.0, 0.2, setting=HitSetting(hits=2))
     with pytest.raises(InputError, match="hits = 2: several hits need a goal"):
         hj.answer(hit, robot)
-    with pytest.raises(InputError, match="hits = 0: a whole number from 1"):
+    with pytest.raises(InputError, match="hits = 0: at least 1"):
         HitSetting(hits=0)
 
 

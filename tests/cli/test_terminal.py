@@ -1,5 +1,6 @@
 """What is seen in a terminal: 80 columns are enough, nothing is cut, and how much is said."""
 
+import os
 import re
 import subprocess
 import sys
@@ -93,6 +94,16 @@ def test_any_table_keeps_its_cells_whole(rows, width):
     for cell in (cell for row in rows for cell in row):
         assert set(cell.split()) <= set(printed)
     assert sum(len(part[0]) - 1 for part in parts) == max(len(names) - 1, 0)
+
+
+def test_a_terminal_without_letters_for_lines_gets_dashes():
+    done = subprocess.run(
+        [sys.executable, "-m", "hitjoints.cli", "inspect"], check=False, capture_output=True,
+        text=True, env={**os.environ, "PYTHONIOENCODING": "ascii"},
+    )  # fmt: skip
+    assert "-----" in done.stdout
+    assert "\\u" not in done.stdout
+    assert max(map(len, done.stdout.splitlines())) <= 80
 
 
 def test_a_long_text_continues_indented_and_a_list_to_copy_stays_whole(capsys, monkeypatch):

@@ -9,6 +9,7 @@ import hitjoints as hj
 from hitjoints.hitting import step_rows
 from hitjoints.hitting.step import Gains
 from hitjoints.rollouts import side_by_side
+from tests.hitting.test_rollout import planar
 from tests.oracles import random_rollouts as oracle
 
 SUMMARY = (
@@ -89,6 +90,18 @@ def test_hits_are_hits_and_the_hitting_configuration_is_found():
         one = hj.rollout(robot, hit, q0=q)
         np.testing.assert_array_equal(together.q_hit[i], one.q_hit)
         assert_same(together, i, one)
+
+
+def test_an_arm_in_a_plane_whose_lanes_have_no_proof(urdf):
+    robot = planar(urdf)
+    q0 = np.array([[0.3, 0.9, 0.8], [0.2, 1.0, 0.9]])
+    target = hj.position(robot, q0[0], 3) + np.array([-0.08, 0.02, 0.0])
+    hit = hj.Hit(3, target, [-1.0, 0.25, 0.0], 1.0, 0.1)
+    together = hj.rollouts(robot, hit, q0)
+    assert (together.certified_steps == together.steps).all()
+    assert together.hit[0]
+    for i in range(2):
+        assert_same(together, i, hj.rollout(robot, hit, q0=q0[i]))
 
 
 def test_neither_threads_nor_neighbours_change_a_bit(monkeypatch):

@@ -20,6 +20,8 @@ at = hj.position(robot, q, 6)
 assert hj.place_joint(robot, 6, at).solved[0]
 control = hj.Controller(robot, hj.Hit(6, at + 0.1 * h, h, 2.0, 0.1), q, posture=q)
 assert control.step(q) @ (h @ hj.jacobian(robot, q, 6)) > 0
+found = hj.rollouts(robot, hj.Hit(6, at + 0.1 * h, h, 2.0, 0.1), q, q_hit=None)
+assert found.steps[0] > 0 and found.within_limits[0]
 assert "llvmlite.binding" not in [name for name, module in sys.modules.items() if module]
 print("fine")
 """

@@ -167,7 +167,7 @@ def test_continuous_and_prismatic_joints(urdf):
         ({"direction": [0, 0, 0]}, "zero"),
         ({"position": [0.5, 0.3]}, "three numbers"),
         ({"position": [0.5, 0.3, np.nan]}, "finite"),
-        ({"seed": -1}, "negative"),
+        ({"seed": -1}, "at least 0"),
     ],
 )
 def test_bad_input(arm, options, word):

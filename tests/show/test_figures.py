@@ -66,7 +66,7 @@ def test_every_public_figure_is_tested_here():
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.filterwarnings("error::UserWarning")
+@pytest.mark.filterwarnings("error:constrained_layout not applied:UserWarning")
 def test_a_figure_has_the_size_asked_for_and_its_text_lies_in_it(results, kind, tmp_path):
     figure = results[kind](size="single")
     file = tmp_path / "figure.png"

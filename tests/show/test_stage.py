@@ -7,7 +7,8 @@ import hitjoints as hj
 from hitjoints.errors import InfeasibleError, InputError
 from hitjoints.goals.landing import landing
 from hitjoints.show.viewer.box_place import box_place
-from hitjoints.show.viewer.stage import Stage, planned
+from hitjoints.show.viewer.making import planned
+from hitjoints.show.viewer.stage import Stage
 
 AT, ALONG = (0.5, 0.3, 0.5), (0.0, 1.0, 0.0)
 

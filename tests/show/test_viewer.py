@@ -185,7 +185,7 @@ def test_what_is_dragged_on_is_not_put_back(viewer):
 def test_a_plan_is_shown_and_not_made_again(arm, monkeypatch):
     robot = arm("iiwa14")
     planned = hj.plan(robot, [0.5, 0.3, 0.5], [0, 1, 0], 2.0, [6], flux=0.2, certificate=False)
-    monkeypatch.setattr("hitjoints.show.viewer.stage.plan", None)
+    monkeypatch.setattr("hitjoints.show.viewer.making.plan", None)
     viewer = hj.view(planned, robot, port=PORT)
     try:
         assert viewer.stage.plan is planned
@@ -357,3 +357,27 @@ def test_what_is_typed_or_turned_on_is_not_pulled_back(viewer):
         assert calls
         assert control.value == then
     viewer._worker.stop()
+
+
+def test_a_change_pauses_and_play_goes_on(arm):
+    robot = arm("iiwa14")
+    made = hj.swing(robot, hj.Hit(6, [0.5, 0.3, 0.5], [0, 1, 0], 2.0, 0.3))
+    viewer = hj.view(made, port=PORT)
+    try:
+        viewer.set_speed(1e-3)
+        viewer.play_or_pause()
+        assert viewer._panel.play.label == "pause"
+        assert not viewer._handles._object.visible
+        viewer._panel.sliders[0].value = 0.5
+        assert not viewer._timeline.plays
+        assert viewer._panel.play.label == "play"
+        assert viewer._handles._object.visible
+        assert viewer.stage.clip is not None
+        viewer.play_or_pause()
+        viewer.play_or_pause()
+        assert viewer._panel.play.label == "play"
+        viewer._panel.hit.by_itself.value = False
+        viewer._panel.hit.mass.value = 1.0
+        assert viewer.stage.clip is None
+    finally:
+        viewer.stop()

@@ -94,16 +94,14 @@ class EngineSetting:
         check_support(self.support)
         words = f"within {STEEPEST_YAW:g} rad, or another face is hit"
         number(self.yaw, "yaw", words, lambda value: abs(value) <= STEEPEST_YAW)
-        for name in ("off_centre", "height"):
-            number(getattr(self, name), name, "a finite distance in metres")
+        number(self.off_centre, "off_centre", "a finite distance, or the arm misses the box")
         aside = abs(float(lever(-self.off_centre, self.yaw, self.size[0])))
         if not aside < (half := self.size[1] / 2):
             expected = f"within {half:g} m of the face's middle, or the arm misses the box"
             name = "off_centre" if self.off_centre else "yaw"
             raise InputError(name, getattr(self, name), expected)
-        if not abs(self.height) < (half := self.size[2] / 2):
-            expected = f"it is within {half:g} m, or the arm misses the box"
-            raise InputError("height", self.height, expected)
+        words = f"it is within {self.size[2] / 2:g} m, or the arm misses the box"
+        number(self.height, "height", words, lambda value: abs(value) < self.size[2] / 2)
 
     @property
     def stands(self) -> bool:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from hitjoints.datasets.describe import origin, versions
 from hitjoints.evidence.physics.slide import turned
 from hitjoints.goals.box_rest import rest_at
 from hitjoints.plotted import Plotted
@@ -184,8 +186,6 @@ class Simulation(Told, Plotted):
         """Arm and box through the contact along `time`, the box's way along `slide_time` (s)."""
         import xarray as xr
 
-        from hitjoints.datasets.describe import origin
-
         rows = self.strike.rows | ({} if self.slide is None else self.slide.rows)
         along = {}
         for name, values in rows.items():
@@ -204,6 +204,8 @@ class Simulation(Told, Plotted):
         assert at is not None
         told, rest = self.predicted_rest, self.rest
         return {
+            "asked": json.loads(self.motion.parameters["hit"]),
+            "made_with": versions(),
             "hit": True,
             "reason": "",
             "mode": self.mode,

@@ -13,6 +13,8 @@ from hitjoints.kernels.tape.trace import Scalar, Tracer
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from hitjoints.kernels.tape.scalar import ScalarProgram
+
     Formula = Callable[[tuple[Scalar, ...]], list[Scalar]]
 
 
@@ -30,8 +32,8 @@ class CountedProgram:
 
     def __init__(self, formula: Formula, inputs: int, worth: int) -> None:
         self.formula, self.inputs, self.worth = formula, inputs, worth
-        self._calls, self._own, self._lock = 0, threading.local(), threading.Lock()
-        self._program: Any = None
+        self._calls, self._own = 0, threading.local()
+        self._program: ScalarProgram | None = None
 
     def __call__(self, *parts: np.ndarray[Any, Any]) -> list[Any]:
         """Return the outputs for arrays of inputs, always of the same shapes.
@@ -62,12 +64,12 @@ class CountedProgram:
     def _bind(self, parts: tuple[np.ndarray[Any, Any], ...]) -> tuple[Any, Any, Any]:
         from hitjoints.kernels.tape.scalar import ScalarProgram
 
-        with self._lock:  # two threads must not compile it at once
-            if self._program is None:
-                tracer = Tracer(self.inputs)
-                tape = tracer.program(self.formula(tracer.inputs))
-                self._program = ScalarProgram(tape, fused=False, effort=0)
-        inputs, outputs, run = self._program.bind()
+        program = self._program
+        if program is None:  # two threads at once may compile it twice
+            tracer = Tracer(self.inputs)
+            tape = tracer.program(self.formula(tracer.inputs))
+            program = self._program = ScalarProgram(tape, fused=False, effort=0)
+        inputs, outputs, run = program.bind()
         ends = np.cumsum([part.size for part in parts])
         pieces = np.split(inputs, ends[:-1])
         views = [piece.reshape(part.shape) for piece, part in zip(pieces, parts, strict=True)]

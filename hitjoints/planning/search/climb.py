@@ -100,15 +100,16 @@ def climb(problem: Problem, x: Array, steps: int) -> tuple[Array, Values]:
         rows = here.slope * face.active[:, :, None] * face.free[:, None, :]
         basis = tangents(rows, face.free)
         uphill = np.einsum("kmd,km->kd", basis, here.gradient)
-        moving = np.linalg.norm(uphill, axis=1) > STATIONARY
+        moving = lengths(uphill) > STATIONARY
         # Bounds and limits pressed against, but not quite met yet.
         short = face.active & (np.abs(here.residual) > ON_MANIFOLD)
         moving |= ((at != face.at).any(axis=1) | short.any(axis=1)) & ~refused[alive]
         moving &= radius[alive] > SHORTEST
         if not moving.any():
             break
-        alive, at, here, uphill = alive[moving], at[moving], here.take(moving), uphill[moving]
-        face, basis, near = face.take(moving), basis[moving], near[moving]
+        if not moving.all():
+            alive, at, here, uphill = alive[moving], at[moving], here.take(moving), uphill[moving]
+            face, basis, near = face.take(moving), basis[moving], near[moving]
         again = refused[alive]
         step, length = _step(problem, at, here, face, basis, uphill, again)
         # Newton's step may press against a bound that the gradient does not: without it, then.
@@ -162,7 +163,7 @@ def pull_back(
         active: (N, c) the constraints to be met as equalities; others only when violated.
         steps: at most this many.
     """
-    x = np.clip(x, problem.lower, problem.upper)
+    x = np.minimum(np.maximum(x, problem.lower), problem.upper)
     now = problem.evaluate(x)
     if not now.residual.shape[1]:
         return x, now
@@ -184,9 +185,14 @@ def pull_back(
             if not (blocked & usable).any():
                 break
             usable = usable & ~blocked
-        x[todo] = np.clip(at + move, problem.lower, problem.upper)
+        x[todo] = np.minimum(np.maximum(at + move, problem.lower), problem.upper)
         now.put(todo, problem.evaluate(x[todo]))
     return x, now
+
+
+def lengths(vectors: Array) -> Array:
+    """Return the lengths (N,) of vectors (N, d)."""
+    return np.asarray(np.sqrt(np.einsum("kd,kd->k", vectors, vectors)))
 
 
 def _room(problem: Problem, x: Array, step: Array) -> Array:
@@ -209,7 +215,7 @@ def _step(
     """Return steps (N, m) and their lengths: Newton's, or the gradient after a refusal."""
     newton = _newton(problem, x, now, face.multipliers, basis, uphill)
     step = np.where(again[:, None], uphill, newton)
-    return np.einsum("kmd,kd->km", basis, step), np.linalg.norm(step, axis=1)
+    return np.einsum("kmd,kd->km", basis, step), lengths(step)
 
 
 def _newton(
@@ -226,7 +232,8 @@ def _newton(
     gradients = near.gradient.reshape(count, d, m) - sloped
     base = now.gradient - np.einsum("kcm,kc->km", now.slope, multipliers)
     hessian = (gradients - base[:, None, :]) @ basis / DIFFERENCE
-    hessian = np.nan_to_num((hessian + hessian.transpose(0, 2, 1)) / 2)
+    hessian = 0.5 * (hessian + hessian.transpose(0, 2, 1))
+    hessian = np.where(np.isfinite(hessian), hessian, 0.0)
     curvature, vectors = np.linalg.eigh(hessian)
     along = np.einsum("kij,ki->kj", vectors, uphill)
     floor = 1e-6 + 1e-6 * np.abs(curvature).max(axis=1, keepdims=True)

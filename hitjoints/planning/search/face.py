@@ -6,6 +6,7 @@ Rows of points are treated at once: A is (N, c, m), one row per constraint, zero
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -82,22 +83,30 @@ def tangents(rows: Array, free: Mask) -> Array:
 
     A point with less freedom than others has columns of zeros.
     """
-    inverse = np.linalg.inv(gram(rows))
-    projector = np.eye(free.shape[1]) * free[:, None, :]
-    projector = projector - rows.transpose(0, 2, 1) @ inverse @ rows
-    share, vectors = np.linalg.eigh(projector)
-    inside = share > 0.5
-    count = int(inside.sum(axis=1).max(initial=1))
-    return np.asarray(vectors[:, :, -count:] * inside[:, None, -count:])
+    m = free.shape[1]
+    projector = np.eye(m) * free[:, None, :]
+    projector -= rows.transpose(0, 2, 1) @ np.linalg.solve(gram(rows), rows)
+    # The trace of a projector is its rank, and as many random vectors, projected, span its range:
+    # their QR decomposition takes a third of the time that its eigenvectors do.
+    freedom = np.rint(np.trace(projector, axis1=1, axis2=2)).astype(int)
+    count = max(1, int(freedom.max(initial=1)))
+    basis = np.linalg.qr(projector @ _mixed(m)[:, :count])[0]
+    return np.asarray(basis * (np.arange(count) < freedom[:, None])[:, None, :])
+
+
+@cache
+def _mixed(m: int) -> Array:
+    """Random vectors (m, m), always the same."""
+    return np.random.default_rng(m).standard_normal((m, m))
 
 
 def gram(rows: Array) -> Array:
     """Return A A^T, regular: an inactive row counts as 1, dependent rows are damped."""
-    square = rows @ rows.transpose(0, 2, 1)
-    c = square.shape[1]
-    diagonal = np.einsum("kcc->kc", square)
+    square = np.ascontiguousarray(rows @ rows.transpose(0, 2, 1))
+    count, c, _ = square.shape
+    diagonal = square.reshape(count, c * c)[:, :: c + 1]
     scale = diagonal.max(axis=1, initial=0.0, keepdims=True)
-    square[:, range(c), range(c)] += np.where(diagonal > 0, 1e-13 * scale, 1.0)
+    diagonal += np.where(diagonal > 0, 1e-13 * scale, 1.0)
     return square
 
 

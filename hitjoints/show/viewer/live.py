@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import copy
-import io
-import signal
 import threading
-from contextlib import redirect_stdout
 from html import escape
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from hitjoints.errors import HitjointsError, MissingExtraError
 from hitjoints.show.viewer.drawing import Drawing
 from hitjoints.show.viewer.handles import Handles
+from hitjoints.show.viewer.making import planned
 from hitjoints.show.viewer.origin import own_pages_only
 from hitjoints.show.viewer.page import recorded_page
 from hitjoints.show.viewer.panel import Panel
-from hitjoints.show.viewer.stage import Stage, planned
+from hitjoints.show.viewer.serving import silence, until_told
+from hitjoints.show.viewer.stage import Stage
 from hitjoints.show.viewer.timeline import SPEEDS, Timeline
-from hitjoints.show.viewer.viewpoint import FIELD, PORTRAIT, viewpoint
+from hitjoints.show.viewer.viewpoint import WIDE, fit_phone, look
 from hitjoints.show.viewer.worker import Worker
 
 if TYPE_CHECKING:
@@ -31,9 +30,7 @@ if TYPE_CHECKING:
     from hitjoints.show.viewer.clip import Clip
     from hitjoints.types import Array
 
-ENDS = (signal.SIGINT, signal.SIGTERM)
 T = TypeVar("T")
-WIDE = 1.6  # width over height of a usual window
 TAKES = 5.0  # s, about as long as playing a motion takes at first
 
 
@@ -52,7 +49,7 @@ class Viewer:
             raise MissingExtraError("viser", "view") from None
         self.stage = stage
         self._lock = threading.RLock()
-        with _silence(), own_pages_only(host):
+        with silence(), own_pages_only(host):
             self._server = viser.ViserServer(host, port, verbose=False)
         self.url = f"http://{host}:{self._server.get_port()}"
         self._worker = Worker()
@@ -63,8 +60,8 @@ class Viewer:
             self._handles = Handles(self._server.scene, stage, self.change)
             self.dress()
             self._show_all()
-            self._look(self._server.initial_camera, WIDE)
-            self._server.on_client_connect(self._met)
+            look(self._server.initial_camera, stage, WIDE)
+            self._server.on_client_connect(lambda client: fit_phone(client.camera, stage))
         except BaseException:
             self.stop()
             raise
@@ -119,12 +116,12 @@ class Viewer:
         with self._lock:
             time = self.stage.time
             self._handles.show(False)
-            self._look(self._server.initial_camera, None)
+            look(self._server.initial_camera, self.stage, None)
             try:
                 return recorded_page(self._server, self._drawing, self._timeline.speed)
             finally:
                 self.stage.seek(time)
-                self._look(self._server.initial_camera, WIDE)
+                look(self._server.initial_camera, self.stage, WIDE)
                 self.dress()
                 self._show_all()
 
@@ -144,27 +141,18 @@ class Viewer:
         Args:
             ready: called with the URL when signals are waited for.
         """
-        over = threading.Event()
-        main = threading.current_thread() is threading.main_thread()
-        before = {one: signal.signal(one, lambda *_: over.set()) for one in ENDS if main}
-        try:
-            if ready is not None:
-                ready(self.url)
-            over.wait()
-        finally:
-            for one, handler in before.items():
-                signal.signal(one, handler)
+        until_told(lambda: None if ready is None else ready(self.url))
 
     def stop(self) -> None:
         """Stop serving."""
         self._timeline.stop()
         self._worker.stop()
-        with _silence():
+        with silence():
             self._server.stop()
 
     def change(self, work: Callable[[], None], *, plans: bool = True) -> None:
         """Change what is wanted, and plan for it if that is wished and the panel says so."""
-        self._timeline.pause()
+        self._pause()
         with self._lock:
             done = self._tried(work)
             if done and plans and self._panel.hit.by_itself.value and self.stage.needs_plan:
@@ -173,7 +161,7 @@ class Viewer:
 
     def glance(self, work: Callable[[], None]) -> None:
         """Change the configuration alone."""
-        self._timeline.pause()
+        self._pause()
         with self._lock, self._server.atomic():
             self._tried(work)
             self._moment()
@@ -185,17 +173,17 @@ class Viewer:
     def play_or_pause(self) -> None:
         """Play the motion, made first where there is none, or pause."""
         if self._timeline.plays:
-            self._timeline.pause()
+            self._pause()
         elif self.stage.clip is None:
             self._worker.ask(self._make_and_play, pause=0.0)
         else:
             self._timeline.play()
-        self._panel.playing(self._timeline.plays)
+            self._playing(self._timeline.plays)
 
     def scrub(self, time: float) -> None:
         """Show a moment of the motion, s."""
         self._timeline.scrub(time)
-        self._panel.playing(False)
+        self._playing(False)
 
     def set_speed(self, speed: float) -> None:
         """Play so many times as fast as it is."""
@@ -212,7 +200,11 @@ class Viewer:
         def work(stage: Stage) -> Plan:
             return planned(stage.robot, stage.wish, stage.contacts)
 
-        self._work("planning", work, self.stage.adopt)
+        def adopt(made: Plan) -> None:
+            self._pause()
+            self.stage.adopt(made)
+
+        self._work("planning", work, adopt)
 
     def _make_and_play(self) -> None:
         motion = self._panel.motion.value
@@ -225,7 +217,7 @@ class Viewer:
         def play(clip: Clip) -> None:
             self.show(clip)
             self._timeline.play()
-            self._panel.playing(True)
+            self._playing(True)
 
         self._work("making the motion", work, play)
 
@@ -251,16 +243,6 @@ class Viewer:
                     keep(found)
                 self._show_all()
 
-    def _look(self, camera: Any, aspect: float | None) -> None:
-        """Look at all of the scene; see `viewpoint`."""
-        eye = viewpoint(self.stage, aspect)
-        camera.position, camera.look_at, camera.fov = eye.position, eye.look_at, FIELD
-
-    def _met(self, client: Any) -> None:
-        """Let a phone that is held upright see the scene above its sheet of controls."""
-        if client.camera.aspect < PORTRAIT:
-            self._look(client.camera, client.camera.aspect)
-
     def _tried(self, work: Callable[[], None]) -> bool:
         """Do what a control says, and say why not when that is the answer."""
         try:
@@ -276,8 +258,18 @@ class Viewer:
             self.stage.seek(time)
             self._moment()
 
+    def _pause(self) -> None:
+        if self._timeline.plays:
+            self._timeline.pause()
+            self._playing(False)
+
     def _stopped(self) -> None:
-        self._panel.playing(False)
+        self._playing(False)
+
+    def _playing(self, plays: bool) -> None:
+        """Show whether it plays; what is dragged would stand in the way of what moves."""
+        self._panel.playing(plays)
+        self._handles.show(self._panel.arrows.value and not plays)
 
     def _show_all(self) -> None:
         with self._lock, self._server.atomic():
@@ -298,10 +290,5 @@ class Viewer:
         self._timeline.load(clip.duration)
         self._timeline.speed = min(SPEEDS, key=lambda one: abs(clip.duration / one - TAKES))
         self._panel.set_speed(self._timeline.speed)
-        self._panel.playing(False)
+        self._playing(False)
         self._show_all()
-
-
-def _silence() -> redirect_stdout[io.StringIO]:
-    """Keep stdout clean: viser writes there, told to be quiet or not."""
-    return redirect_stdout(io.StringIO())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import socket
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from hitjoints.planning.plan_record import Plan
 from hitjoints.rollouts.record import Rollout
 from hitjoints.show.viewer.clip import Clip, clip_of_rollout, clip_of_swing
 from hitjoints.show.viewer.live import Viewer
+from hitjoints.show.viewer.serving import check_address
 from hitjoints.show.viewer.stage import Stage
 from hitjoints.swings.swing_record import Swing
 
@@ -145,9 +145,7 @@ def open_stage(
         InputError: an argument cannot be used.
         MissingExtraError: viser is not installed.
     """
-    if not 0 < port < 65536:
-        raise InputError("port", port, "a port is from 1 to 65535")
-    _check_address(host)
+    check_address(host, port)
     if contacts is None and plan is not None:
         contacts = [Contact(one.joint, one.offset) for one in plan.candidates]
     stage = Stage(robot, hit, robot.within_limits(robot.home if q is None else q), contacts)
@@ -159,12 +157,3 @@ def open_stage(
     if clip is not None:
         viewer.show(clip)
     return viewer
-
-
-def _check_address(host: str) -> None:
-    """Refuse an address that is not this machine's: viser would wait for ever."""
-    try:
-        with socket.socket() as probe:
-            probe.bind((host, 0))
-    except OSError as error:
-        raise InputError("host", host, f"it cannot be served on ({error.strerror})") from None

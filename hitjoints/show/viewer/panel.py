@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import threading
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from hitjoints.show.viewer import readout
 from hitjoints.show.viewer.hit_controls import HitControls
-from hitjoints.show.viewer.stage import MOTIONS
+from hitjoints.show.viewer.making import MOTIONS
 from hitjoints.show.viewer.timeline import SPEEDS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from numpy.typing import ArrayLike
 
@@ -69,7 +71,8 @@ class Panel:
     """
 
     def __init__(self, gui: Any, stage: Stage, do: Pressed) -> None:
-        self._stage, self._quiet, self._turned = stage, False, False
+        self._stage, self._turned = stage, False
+        self._setting = threading.local()
         gui.set_panel_label(f"hitjoints: {stage.robot.name}")
         self._build_timeline(gui, do)
         gui.add_html(SHEET)
@@ -110,13 +113,21 @@ class Panel:
         self._motion = gui.add_html("", visible=False)
 
     def _heard(self, act: Callable[[], None]) -> Callable[[object], None]:
-        """Return a callback that is deaf to what the panel itself sets."""
+        """Return a callback that is deaf to what the panel itself sets, in the thread that does."""
 
         def callback(_: object) -> None:
-            if not self._quiet:
+            if not getattr(self._setting, "here", False):
                 act()
 
         return callback
+
+    @contextmanager
+    def _deaf(self) -> Iterator[None]:
+        self._setting.here = True
+        try:
+            yield
+        finally:
+            self._setting.here = False
 
     def _turn(self) -> None:
         robot, self._turned = self._stage.robot, True
@@ -132,8 +143,7 @@ class Panel:
 
     def refresh(self) -> None:
         """Show what the stage says."""
-        self._quiet = True
-        try:
+        with self._deaf():
             self.hit.refresh()
             self._candidates.content = readout.candidates(self._stage)
             clip = self._stage.clip
@@ -141,15 +151,12 @@ class Panel:
             self.time.visible = clip is not None
             self._motion.content = words = readout.motion(self._stage)
             self._motion.visible = bool(words)
-        finally:
-            self._quiet = False
         self.moment()
 
     def moment(self) -> None:
         """Show what changes with the configuration and the time."""
         stage = self._stage
-        self._quiet = True
-        try:
+        with self._deaf():
             if not self._turned:  # else the browser may be ahead, and would be pulled back
                 for slider, q in zip(self.sliders, on_sliders(stage.robot, stage.q), strict=True):
                     slider.value = q
@@ -157,8 +164,6 @@ class Panel:
             self.time.value = min(round(stage.time, 3), self.time.max)
             self._joints.content = readout.joints(stage)
             self._here.content = readout.here(stage) + readout.note(self.scale)
-        finally:
-            self._quiet = False
 
     def playing(self, plays: bool) -> None:
         """Show whether it plays."""
@@ -166,11 +171,8 @@ class Panel:
 
     def set_speed(self, speed: float) -> None:
         """Show a speed of playing."""
-        self._quiet = True
-        try:
+        with self._deaf():
             self.speed.value = f"{speed:g} ×"
-        finally:
-            self._quiet = False
 
 
 def on_sliders(robot: Robot, q: ArrayLike) -> list[float]:

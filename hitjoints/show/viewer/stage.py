@@ -11,9 +11,6 @@ from hitjoints.errors import HitjointsError, InfeasibleError
 from hitjoints.goals.landing import Landing, landing
 from hitjoints.impact.collision import required_speed
 from hitjoints.model.robot import Contact
-from hitjoints.planning.planner import plan
-from hitjoints.planning.room.surroundings import Surroundings
-from hitjoints.rollouts.follow import rollout
 from hitjoints.rollouts.prepare import placed
 from hitjoints.show.arm_faces import box_centre
 from hitjoints.show.viewer.assumed import Assumption, assume
@@ -21,11 +18,9 @@ from hitjoints.show.viewer.box_place import BoxPlace, box_place
 from hitjoints.show.viewer.clip import (
     RECORDED,
     Clip,
-    clip_of_rollout,
-    clip_of_swing,
     with_slide,
 )
-from hitjoints.swings.make_swing import MARGIN, swing
+from hitjoints.show.viewer.making import made_clip
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,7 +33,6 @@ if TYPE_CHECKING:
     from hitjoints.planning.plan_record import Plan
     from hitjoints.types import Array
 
-MOTIONS = ("swing", "swing from here", "rollout")
 SAME = 1e-9
 """Greatest difference of numbers that are the same after a trip through a browser or a file."""
 AT_LIMIT = 1e-3
@@ -212,32 +206,10 @@ class Stage:
             InfeasibleError: nothing is planned for this wish and joint, or there is no motion.
             InputError: the arm or the hit lacks what the motion needs.
         """
-        one, wish, setting = self.candidate, self.wish, self.wish.setting
+        one = self.candidate
         if one is None:
             raise InfeasibleError("nothing is planned for this hit and joint: plan first")
-        if motion == "rollout":
-            clip = clip_of_rollout(
-                rollout(
-                    self.robot,
-                    wish,
-                    q_hit=one.q,
-                    torque_limits=setting.torque_limits,
-                    seed=setting.seed,
-                )
-            )
-        else:
-            made = swing(
-                self.robot,
-                wish,
-                q0=self.q if motion == "swing from here" else setting.q0,
-                q_hit=one.q,
-                table_height=setting.table_height,
-                margin=MARGIN if setting.margin is None else setting.margin,
-                seed=setting.seed,
-                **({} if setting.dt is None else {"dt": setting.dt}),
-            )
-            clip = clip_of_swing(made)
-        self.show(clip)
+        self.show(made_clip(self.robot, self.wish, one.q, self.q, motion))
 
     def show(self, clip: Clip) -> None:
         """Have a motion to play, from its start; the box slides unless it says how itself."""
@@ -326,33 +298,3 @@ class Stage:
 
     def _forget(self) -> None:
         self.clip, self.time, self._landing, self._begin = None, 0.0, None, None
-
-
-def planned(robot: Robot, wish: Hit, contacts: tuple[Contact, ...]) -> Plan:
-    """Plan a wish for every contact.
-
-    Args:
-        robot: the arm.
-        wish: what is wanted; its setting says how to plan.
-        contacts: to try.
-
-    Raises:
-        InputError: the objective needs what is not known.
-    """
-    setting = wish.setting
-    asked = setting.deliverable
-    made: Plan = plan(
-        robot,
-        wish.position,
-        wish.direction,
-        wish.mass,
-        joints=contacts,
-        objective=setting.objective,
-        flux=wish.flux,
-        away=setting.away,
-        seed=setting.seed,
-        certificate=False,
-        surroundings=Surroundings.of(wish),
-        deliverable=robot.acceleration is not None if asked is None else asked,
-    )
-    return made

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -20,6 +20,10 @@ ABOVE = math.radians(27.0)
 ROOM = 0.1  # m, of the arm around its joints
 PORTRAIT = 0.8
 """Width over height below which the panel is a sheet over the lower half, not a column."""
+
+
+WIDE = 1.6
+"""Width over height of a usual window."""
 
 
 class Viewpoint(NamedTuple):
@@ -54,6 +58,32 @@ def viewpoint(stage: Stage, aspect: float | None) -> Viewpoint:
     distance = radius / (free * math.tan(FIELD / 2))
     look_at = middle + shift * distance * math.tan(FIELD / 2)
     return Viewpoint(look_at + distance * back, look_at)
+
+
+def look(camera: Any, stage: Stage, aspect: float | None) -> None:
+    """Let a camera look at all of a stage; see `viewpoint`."""
+    eye = viewpoint(stage, aspect)
+    camera.position, camera.look_at, camera.fov = eye.position, eye.look_at, FIELD
+
+
+def fit_phone(camera: Any, stage: Stage) -> None:
+    """Let a phone that is held upright see the scene above its sheet of controls.
+
+    The browser takes the usual view when it comes to it, which may be later than this.
+
+    Args:
+        camera: of a browser that has just come.
+        stage: what is seen.
+    """
+    usual = viewpoint(stage, WIDE).position
+
+    def fit(_: object) -> None:
+        if camera.aspect < PORTRAIT and np.allclose(camera.position, usual, atol=1e-3):
+            look(camera, stage, camera.aspect)
+
+    camera.on_update(fit)
+    if camera.aspect < PORTRAIT:
+        look(camera, stage, camera.aspect)
 
 
 def _extent(stage: Stage) -> tuple[Array, Array]:
