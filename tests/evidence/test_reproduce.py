@@ -414,7 +414,6 @@ def test_command(run, tmp_path):
     folder = tmp_path / "new" / "folder"
     outcome = run("reproduce", "fig2", "--out", folder, "--json")
     assert outcome.code == 0
-    assert "progress: fig2 on iiwa14_bullet" in outcome.err
     made = sorted(path.name for path in folder.iterdir())
     assert made == ["fig2.pdf", "fig2.png", "table.csv", "table.md"]
     assert (folder / "fig2.pdf").read_bytes().startswith(b"%PDF")

@@ -112,7 +112,9 @@ class _Run:
         rate = 2 * math.pi * bandwidth
         self.gains = inertia * rate**2, 2 * inertia * rate
         self.shape = self.stages[0][0].geom("contact").id
-        self.turned, self.heading, self.error = 0.0, 0.0, 0.0
+        self.turned, self.heading, self.error, self.waits = 0.0, 0.0, 0.0, True
+        self.flags = int(self.stages[0][0].opt.disableflags)
+        self.no_contacts = int(self.mujoco.mjtDisableBit.mjDSBL_CONTACT)
         self._begin()
 
     @property
@@ -150,7 +152,7 @@ class _Run:
             if self.data.time > ends:
                 raise InfeasibleError("the arm passes by the box without touching it")
             self._step()
-        touch, error = self._touch(place), self.error
+        touch, error, self.waits = self._touch(place), self.error, False
         over = touch.time + TOGETHER * self.setting.contact_time
         while self._pushed_at() is not None and self.data.time < over:
             self._step()
@@ -180,7 +182,10 @@ class _Run:
     def _step(self) -> None:
         """Go on by one step, of the stage that the gap between arm and box asks for."""
         self._choose(int(self._gap() < NEAR))
-        data = self.data
+        data, waits = self.data, self.waits and self.stage == 0
+        standing = data.qpos[self.n : self.n + 7].copy()
+        self.stages[0][0].opt.timestep = REFERENCE if waits else STEP
+        self.stages[0][0].opt.disableflags = self.flags | (self.no_contacts if waits else 0)
         row = min(int(data.time / REFERENCE), len(self.q) - 1)
         ahead = self.q[row] + self.qd[row] * (data.time - row * REFERENCE) - data.qpos[self.at]
         stiffness, damping = self.gains
@@ -188,6 +193,8 @@ class _Run:
         data.qfrc_applied[self.of] = np.clip(torque, -self.effort, self.effort)
         self.error = max(self.error, float(np.abs(ahead).max()))
         self.mujoco.mj_step(self.model, data)
+        if waits:  # the box rests as it stands, and costs nothing
+            data.qpos[self.n : self.n + 7], data.qvel[self.n : self.n + 6] = standing, 0.0
         if not np.isfinite(data.qvel).all():
             raise SolverError("the engine loses the arm or the box")
         heading = _heading(data.qpos[self.n + 3 : self.n + 7])
