@@ -63,5 +63,5 @@ def _of(hit: Hit, leg: Leg, before: Answer | None) -> Hit:
     told: dict[str, Any] = {"position": leg.start, "goal": leg.end, "setting": setting}
     if hit.size is not None:
         along, across, up = hit.size
-        told |= {"yaw": 0.0, "size": (across, along, up) if leg.turned else hit.size}
+        told |= {"yaw": leg.yaw, "size": (across, along, up) if leg.turned else hit.size}
     return hit.changed(**told)

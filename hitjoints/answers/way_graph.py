@@ -44,11 +44,13 @@ class Leg(NamedTuple):
         start: (3,) m.
         end: (3,) m.
         turned: the face that is hit is a quarter turn from the one that the object is first hit on.
+        yaw: rad, how the face's normal is turned against the way, to the left.
     """
 
     start: Array
     end: Array
     turned: bool
+    yaw: float
 
 
 class WayGraph:
@@ -78,8 +80,14 @@ class WayGraph:
     def leg(self, start: int, end: int) -> Leg:
         """Return the hit from one place to another."""
         way = self.places[end] - self.places[start]
-        turned = self.has_faces and abs(way[:2] @ self.axes[1]) > abs(way[:2] @ self.axes[0])
-        return Leg(self.places[start], self.places[end], bool(turned))
+        if not self.has_faces:
+            return Leg(self.places[start], self.places[end], False, 0.0)
+        parts = self.axes @ way[:2]
+        turned = bool(abs(parts[1]) > abs(parts[0]))
+        ahead, left = (parts[1], -parts[0]) if turned else parts
+        yaw = -math.atan2(math.copysign(1.0, ahead) * left, abs(ahead))
+        yaw = yaw if abs(yaw) > STRAIGHT else 0.0
+        return Leg(self.places[start], self.places[end], turned, yaw)
 
     def best(self, most: int) -> list[int]:
         """Return the places of the best way of at most so many hits, by number; empty for none.
@@ -113,7 +121,7 @@ class WayGraph:
         able &= _keeps_off_base(self.places[:, :2], way, self._wide)[..., None]
         if self.has_faces:
             across = np.abs(np.einsum("pqi,ai->pqa", way, self.axes)).min(axis=2)
-            able &= (across <= STRAIGHT)[..., None]
+            able &= (across <= _aside(hit))[..., None]
         share = np.zeros(able.shape)
         rows = able.nonzero()
         share[rows] = arrival_share(hit, distance[rows[:2]], inertia[rows])
@@ -132,6 +140,8 @@ class WayGraph:
         """
         count = self._map.flux.shape[1]
         turn = angles / (2 * np.pi / count)
+        if self.has_faces:  # a hit a hair beside a normal is one along it
+            turn = np.round(turn)
         below = np.floor(turn + 1e-9).astype(int)
         above = np.where(turn - below > 1e-9, below + 1, below) % count
         below %= count
@@ -170,6 +180,11 @@ def _within(tolerance: float, deviation: Array) -> Array:
     return np.array([math.erf(size) for size in sizes])
 
 
+def _aside(hit: Hit) -> float:
+    """Return how far beside its way a box may end (m) that is hit along its face's normal."""
+    return min(hit.setting.tolerance, SPACING) / 4
+
+
 def _along(angle: float) -> Array:
     return np.array([math.cos(angle), math.sin(angle)])
 
@@ -187,7 +202,7 @@ def _lattice(hit: Hit, axes: Array, reach: float) -> Array:
     far = reach + float(np.linalg.norm(middle))
     for axis in axes:
         whole = float(axis @ (hit.goal[:2] - middle))
-        whole = whole if abs(whole) > STRAIGHT else 0.0
+        whole = whole if abs(whole) > _aside(hit) else 0.0
         # A goal that is nearer than the spacing has lines of its own: finer ones would be too many.
         near = abs(whole) < SPACING
         step = SPACING if near else abs(whole) / max(2, math.ceil(abs(whole) / SPACING))

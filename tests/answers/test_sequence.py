@@ -82,6 +82,21 @@ def test_a_way_takes_the_fewest_hits_and_goes_along_faces(robot):
     assert graph.best(4) == []
 
 
+def test_a_goal_a_hair_beside_the_normal_is_hit_for_along_it(robot):
+    """From where a box really rests the goal lies a little aside: the hit is turned by that."""
+    straight = WayGraph(robot, wish())
+    for angle in (1e-3, -1e-3):
+        graph = WayGraph(robot, wish(yaw=angle))
+        assert len(graph.places) < 1.2 * len(straight.places)
+        way = graph.best(4)
+        assert len(way) == 3
+        leg = graph.leg(way[-2], way[-1])
+        way_along = (leg.end - leg.start)[:2]
+        heading = np.arctan2(way_along[1], way_along[0]) + leg.yaw
+        normal = np.array([np.cos(heading), np.sin(heading)])
+        assert np.abs(graph.axes @ normal).max() == pytest.approx(1.0, abs=1e-12)
+
+
 def test_no_way_passes_the_base(robot):
     opposite = wish(position=(0.5, 0.0, 0.4), goal=(-0.5, 0.0, 0.4), friction=0.01, size=None)
     graph = WayGraph(robot, opposite)
