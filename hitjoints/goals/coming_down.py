@@ -32,6 +32,8 @@ ROCKS = 8
 """Times a box rocks; what is left of the motion then is less than can be seen."""
 WEAKEST = 0.1
 """Share of gravity over length with which a box is pulled down; by less, and it is about to tip."""
+BALANCE = 0.1
+"""Share of half its length: a box so near to its balance may stop there, on one corner."""
 CREEP = 1e-3
 """m/s, slower than which an edge as good as sticks."""
 STILL = 1e-6
@@ -48,7 +50,7 @@ class Afloat:
         yaw: (N,) rad, turned.
         lift: (N,) rad, about the edge.
         side: (N,), of the edge, 1 in front and -1 behind.
-        tipped: (N,), those that do not come down.
+        tipped: (N,), those that do not come down, or hardly.
     """
 
     moved: Response
@@ -94,7 +96,7 @@ def _fallen(boxes: Boxes, now: Afloat, which: Mask) -> Afloat:
     for _ in range(MOST_STEPS):
         left = np.where(going, np.minimum(step, _landing_time(boxes, now)), 0.0)
         now = _runge_kutta(boxes, now, left)
-        tips = going & (Edge(boxes, now.side, now.lift).reach <= 0)
+        tips = going & (Edge(boxes, now.side, now.lift).reach <= BALANCE * boxes.size[0] / 2)
         now = replace(now, tipped=now.tipped | tips)
         going &= (left >= step) & ~tips
         if not going.any():
