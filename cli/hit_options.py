@@ -100,8 +100,6 @@ class HitOptions(OptionGroup):
         Raises:
             InputError: a value cannot be used, or contradicts the plan.
         """
-        from hitjoints.hit_loading import load_hit
-
         positions = {
             "object": self.position, "goal": self.goal,
             "offset": None if self.offset == TIP else self.offset,
@@ -121,8 +119,12 @@ class HitOptions(OptionGroup):
             "object_speed": self.object_speed,
             "restitution": self.restitution,
             "friction": self.friction,
-            "base": load_hit(self.file) if self.file is not None else plan and plan.hit,
+            "base": plan.hit if plan is not None else None,
         }
+        if self.file is not None:
+            from hitjoints.hit_loading import load_hit
+
+            asked["base"] = load_hit(self.file)
         if self.goal is not None or self.object_speed is not None:
             asked |= told
         check_mass(MASS if self.mass is None else self.mass)

@@ -72,14 +72,14 @@ def _configuration(
         InputError: outside the limits, or of the wrong length.
         InfeasibleError: the contact does not reach the object.
     """
-    import numpy as np
-
-    from hitjoints.rollouts.prepare import placed
-
     if q is not None:
         return arm.within_limits(numbers(q))
     if hit.position is None:
         return arm.home
+    import numpy as np
+
+    from hitjoints.rollouts.prepare import placed
+
     return placed(arm, contact, np.array(asked.position), arm.home)
 
 

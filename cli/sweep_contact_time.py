@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 import typer
 
 from .hit_options import HitOptions
@@ -49,6 +48,8 @@ def sweep_contact_time(  # noqa: PLR0913
     seed: SeedOption = 0,
 ) -> None:
     """Hit with each joint and contacts of every length: which one shows how much of the arm."""
+    import numpy as np
+
     from hitjoints.errors import InputError
     from hitjoints.maps.contact_time_sweep import crossings
     from hitjoints.maps.contact_time_sweep import sweep_contact_time as sweep
