@@ -78,7 +78,7 @@ def _draw_column(axis: Axes, tasks: dict[str, list[Row]], height: int) -> None:
     axis.tick_params(axis="y", length=0)
     axis.grid(axis="x", color="0.9")
     axis.set_axisbelow(True)
-    axis.set_xlabel("peer's time / hitjoints' time (bar: median, line: extremes)", fontsize="small")
+    axis.set_xlabel("peer's time / ours (line: extremes)", fontsize="small")
     axis.spines[["top", "right", "left"]].set_visible(False)
 
 

@@ -126,6 +126,7 @@ def _postures(
     """Return the postures of greatest manipulability (N, n) for targets (N, 3)."""
     posture = near.copy()
     places, which = np.unique(target, axis=0, return_inverse=True)
+    which = which.ravel()  # a column in NumPy 2.0
     order = np.argsort(which, kind="stable")
     cuts = np.flatnonzero(np.diff(which[order])) + 1
     for place, rows in zip(places.tolist(), np.split(order, cuts), strict=True):
