@@ -136,6 +136,11 @@ class HitSetting:
                 expected = f"one for all, or one for each of the {count} joints that are named"
                 raise InputError("offset", self.offset, expected)
 
+    def told(self, *names: str) -> dict[str, Any]:
+        """Return what is told of these, by name, for a function that knows the usual itself."""
+        values = {name: getattr(self, name) for name in names}
+        return {name: value for name, value in values.items() if value is not None}
+
     def arm(self, robot: Robot | None = None) -> Robot:
         """Return the arm, with the limits of its drives that are told.
 

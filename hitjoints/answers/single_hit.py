@@ -126,9 +126,7 @@ class SingleHit:
         """Return the motion in the engine; None without the engine, unless it was asked for."""
         if self.simulated is False or (self.simulated is None and find_spec("mujoco") is None):
             return None
-        known = {name: getattr(hit, name) for name in ("restitution", "size")}
-        known = {name: value for name, value in known.items() if value is not None}
-        return simulate(made, friction=hit.friction if _slides(hit) else 0.0, **known)
+        return simulate(made, friction=hit.friction if _slides(hit) else 0.0)
 
 
 def _slides(hit: Hit) -> bool:

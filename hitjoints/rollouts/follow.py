@@ -159,9 +159,7 @@ def _rollout_hit(hit: Hit, robot: Robot | None = None, **options: Any) -> Rollou
     """
     if hit.contact is None:
         return _rollout_plan(plan_hit(hit, robot), robot, **options)
-    names = ("q0", "q_hit", "dt", "torque_limits", "seed")
-    told = {name: getattr(hit.setting, name) for name in names}
-    told = {name: value for name, value in told.items() if value is not None}
+    told = hit.setting.told("q0", "q_hit", "dt", "torque_limits", "seed")
     return rollout(hit.setting.arm(robot), hit, **(told | options))
 
 
@@ -175,7 +173,7 @@ def _rollout_plan(plan: Plan, robot: Robot | None = None, **options: Any) -> Rol
         options: as `rollout`; they go before what the plan says.
     """
     arm, hit, told = plan.carried_out(robot)
-    told["torque_limits"] = plan.hit.setting.torque_limits
+    told |= plan.hit.setting.told("dt", "torque_limits")
     return rollout(arm, hit, **(told | options))
 
 

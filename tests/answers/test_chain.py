@@ -87,3 +87,16 @@ def test_six_commands_say_what_the_calls_say(run, path, calls, tmp_path):
     assert seen["inertia"] == pytest.approx(planned["best"]["inertia"], rel=1e-12)
     assert seen["straight_flux"] == pytest.approx(planned["best"]["straight_flux"], rel=1e-9)
     assert same(calls["answer"].landing.as_dict(), answered["landing"])
+
+
+def test_a_rollout_keeps_the_step_of_its_hit_through_a_plan(run, tmp_path):
+    """The step that a file asks for counts by itself, by its plan, and by the commands."""
+    setting = hj.HitSetting(hj.RobotChoice("iiwa14"), dt=0.004)
+    hit = hj.Hit(6, (0.5, 0.3, 0.5), (0, 1, 0), 2.0, 0.3, setting=setting)
+    planned = hj.plan(hit, certificate=False)
+    planned.save(tmp_path / "plan.json")
+    by_plan = hj.rollout(planned)
+    assert by_plan.dt == hj.rollout(hit).dt == 0.004
+    told = run("rollout", "--plan", tmp_path / "plan.json", "--json").json
+    assert told["steps"] == by_plan.steps
+    assert told["impact"]["time"] == pytest.approx(by_plan.impact.time, rel=1e-9)

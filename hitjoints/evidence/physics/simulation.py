@@ -207,7 +207,7 @@ def _simulate_plan(plan: Plan, robot: Robot | None = None, **options: Any) -> Si
         options: as `simulate`; they go before what the plan says.
     """
     arm, hit, told = plan.carried_out(robot)
-    told["torque_limits"] = plan.hit.setting.torque_limits
+    told |= plan.hit.setting.told("torque_limits")
     return simulate(arm, hit, **(told | options))
 
 
@@ -223,7 +223,7 @@ def _simulate_hit(hit: Hit, robot: Robot | None = None, **options: Any) -> Simul
     how = hit.setting
     if how.q_hit is None:
         return _simulate_plan(plan_hit(hit, robot), robot, **options)
-    told: dict[str, Any] = {"q0": how.q0, "q_hit": how.q_hit, "torque_limits": how.torque_limits}
+    told = how.told("q0", "q_hit", "torque_limits", "seed")
     return simulate(how.arm(robot), hit, **(told | options))
 
 
