@@ -180,8 +180,8 @@ def strike_boxes(
     Raises:
         InfeasibleError: a box would be missed, tip, or slide on its edge.
     """
-    contact, drives = robot.contact(hit.chosen_contact), hit.setting.drives
-    mobility = shown_mobility(robot, robot.one_configuration(q), contact, hit, drives)[:2, :2]
+    contact = robot.contact(hit.chosen_contact)
+    mobility = shown_mobility(robot, robot.one_configuration(q), contact, hit)[:2, :2]
     normal = np.column_stack((np.cos(boxes.yaw), np.sin(boxes.yaw))) @ level_axes(hit).T
     felt = 1 / np.einsum("na,ab,nb->n", normal, mobility, normal)
     return hit_boxes(boxes, felt, speed, restitution)

@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 
 def ranked_again(task: Task, one: Candidate) -> Candidate:
     """Return a feasible candidate with the inertia that it shows, and its fluxes by that."""
-    drives = task.hit.setting.drives
-    inertia = float(shown_inertia(task.robot, one.q[None], task.contact, task.hit, drives)[0])
+    inertia = float(shown_inertia(task.robot, one.q[None], task.contact, task.hit)[0])
     alone = one.inertia / (one.inertia + task.mass)
     share = inertia / (inertia + task.mass)
     fluxes: dict[str, Any] = {

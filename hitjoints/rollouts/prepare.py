@@ -98,11 +98,10 @@ def by_links(robot: Robot, hit: Hit, q: Array) -> Hit:
 
     A model of the drives shows another inertia, and makes the flux asked for of another speed.
     """
-    drives = hit.setting.drives
-    if drives.rigid or hit.flux is None:
+    if hit.setting.drives.rigid or hit.flux is None:
         return hit
     contact = robot.contact(hit.chosen_contact)
-    speed = hit.speed(float(shown_inertia(robot, q[None], contact, hit, drives)[0]))
+    speed = hit.speed(float(shown_inertia(robot, q[None], contact, hit)[0]))
     links = ContactPoint(robot, contact).inertia(q, hit.direction)
     alone = replace(hit.setting, drives=RIGID)
     return hit.with_flux(hit.flux_of(links, speed)).changed(setting=alone)

@@ -93,7 +93,7 @@ def measured(robot: Robot, hit: Hit, limits: DriveLimits, q: Array) -> Samples:
     seen = kernel_for(robot, (contact,), ("inertia", "jacobian"))(q, h)
     J, inertia = np.ascontiguousarray(seen["jacobian"][0]), np.array(seen["inertia"][0])
     if not hit.setting.drives.rigid:
-        inertia = shown_inertia(robot, q, contact, hit, hit.setting.drives)
+        inertia = shown_inertia(robot, q, contact, hit)
     share = inertia / (inertia + hit.mass)
     share = np.where(np.isfinite(share), share, 0.0)
     ends = robot.lower, robot.upper

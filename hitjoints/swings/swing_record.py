@@ -115,10 +115,10 @@ class Swing(Told, Plotted):
     @cached_property
     def inertia(self) -> float:
         """Directional inertia at the impact by the model of the drives in the hit's setting, kg."""
-        contact, drives = self.robot.contact(self.hit.chosen_contact), self.hit.setting.drives
-        if drives.rigid:
+        if self.hit.setting.drives.rigid:
             return self.links_inertia
-        return float(shown_inertia(self.robot, self.q_hit[None], contact, self.hit, drives)[0])
+        contact = self.robot.contact(self.hit.chosen_contact)
+        return float(shown_inertia(self.robot, self.q_hit[None], contact, self.hit)[0])
 
     @cached_property
     def links_inertia(self) -> float:

@@ -38,10 +38,10 @@ def test_every_model_has_a_mobility_with_its_inertia(arm, model):
     hit = wanted(model)
     contact = arm.contact(hit.chosen_contact)
     for q in np.random.default_rng(2).uniform(arm.lower, arm.upper, (10, 7)):
-        mobility = shown_mobility(arm, q, contact, hit, hit.setting.drives)
+        mobility = shown_mobility(arm, q, contact, hit)
         np.testing.assert_allclose(mobility, mobility.T, atol=1e-12)
         assert np.linalg.eigvalsh(mobility)[0] > -1e-12
-        shown = shown_inertia(arm, q[None], contact, hit, hit.setting.drives)[0]
+        shown = shown_inertia(arm, q[None], contact, hit)[0]
         assert 1 / (hit.direction @ mobility @ hit.direction) == pytest.approx(shown, rel=1e-9)
         assert shown == pytest.approx(judged(arm, q, hit), rel=1e-9)
 
