@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
 from .complaints import complain
 from .hit_options import HitOptions
-from .kept import continues
+from .map_options import WISHES, GridOptions, MapOutputs, MapRun, WorkOptions
 from .option_groups import OptionGroup, without
-from .options import spaced
-from .output_options import tell_written
-from .render import print_json, print_table
+from .render import print_table
 from .robot_options import RobotOptions
-from .sweep_workspace import WISHES, GridOptions, MapOutputs, WorkOptions, write_map
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -47,39 +42,11 @@ def sweep_motion(
 ) -> None:
     """Map the flux that hitting motions really deliver over a grid of object positions."""
     import hitjoints as hj
-    from hitjoints.counting import tell
 
-    asked = hit.read()
-    output.check(robot.robot, hit.file)
-    arm = robot.load()
-    if output.out is not None:
-        continues(output.out)
-    swept = hj.sweep_motion(
-        arm,
-        spaced(grid.x, "x"),
-        spaced(grid.y, "y"),
-        spaced(grid.z, "z"),
-        asked.directions,
-        asked.mass,
-        joints=asked.contacts(arm),
-        samples=grid.samples,
-        tries=motions.tries,
-        dt=motions.dt,
-        seed=grid.seed,
-        out=output.out,
-        scheduler=work.scheduler,
-        threads=work.threads,
-        progress=partial(tell, "positions"),
-        command=" ".join(["hitjoints", *sys.argv[1:]]),
-    )
+    asked = MapRun(robot, hit, grid, work, output)
+    arm, swept = asked.map(hj.sweep_motion, tries=motions.tries, dt=motions.dt)
     rows = _summary(swept)
-    write_map(arm, swept, output)
-    if output.as_json:
-        out = None if output.out is None else str(output.out)
-        print_json({**swept.attrs, "out": out, "summary": rows})
-    else:
-        _print(swept, rows)
-    tell_written(output.out, output.netcdf, output.csv, output.plot)
+    asked.show(arm, swept, rows, _print)
     if not any(row["hit"] for row in rows):
         complain("no", "no motion hits an object at any position of the grid")
         raise typer.Exit(3)
