@@ -149,14 +149,18 @@ class Plan(Told, Plotted):
         """
         if self.hit.setting.robot is None:
             raise InputError("robot", self.robot, "the plan does not say how to load it")
-        return self.check_robot(self.hit.setting.arm())
+        return self.check_robot(None)
 
-    def check_robot(self, robot: Robot) -> Robot:
-        """Return a robot that is the one the plan was made for.
+    def check_robot(self, robot: Robot | None) -> Robot:
+        """Return the arm that the plan was made for, with the limits that its hit tells.
+
+        Args:
+            robot: the arm as it is loaded, or so limited already; None to load it.
 
         Raises:
             InputError: it is another.
         """
+        robot = self.hit.setting.arm(robot)
         if robot.digest != self.digest:
             same = "what was" if robot.name == self.robot else "the robot"
             expected = f"the plan is made for {self.robot}, and this is not {same} it was made for"
@@ -188,7 +192,7 @@ class Plan(Told, Plotted):
             InfeasibleError: no joint can do it.
         """
         setting, hit = self.hit.setting, self.chosen_hit
-        arm = self.load_robot() if robot is None else setting.arm(self.check_robot(robot))
+        arm = self.load_robot() if robot is None else self.check_robot(robot)
         assert self.best is not None
         return arm, hit, {"q_hit": self.best.q, "q0": setting.q0, "seed": setting.seed}
 

@@ -159,7 +159,7 @@ def _rollout_hit(hit: Hit, robot: Robot | None = None, **options: Any) -> Rollou
     """
     if hit.contact is None:
         return _rollout_plan(plan_hit(hit, robot), robot, **options)
-    told = hit.setting.told("q0", "q_hit", "dt", "torque_limits", "seed")
+    told = hit.setting.told("q0", "q_hit", "seed") | _kept(hit)
     return rollout(hit.setting.arm(robot), hit, **(told | options))
 
 
@@ -173,8 +173,15 @@ def _rollout_plan(plan: Plan, robot: Robot | None = None, **options: Any) -> Rol
         options: as `rollout`; they go before what the plan says.
     """
     arm, hit, told = plan.carried_out(robot)
-    told |= plan.hit.setting.told("dt", "torque_limits")
-    return rollout(arm, hit, **(told | options))
+    return rollout(arm, hit, **(told | _kept(hit) | options))
+
+
+def _kept(hit: Hit) -> dict[str, Any]:
+    """Return what a hit says of the step, and of the limits that its motions keep."""
+    told = hit.setting.told("dt", "torque_limits", "acceleration")
+    if "acceleration" in told:
+        told["acceleration_limits"] = told.pop("acceleration")
+    return told
 
 
 def _follow_through(control: Controller, q: Array, qd: Array) -> list[tuple[Array, Step]]:

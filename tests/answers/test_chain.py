@@ -100,3 +100,27 @@ def test_a_rollout_keeps_the_step_of_its_hit_through_a_plan(run, tmp_path):
     told = run("rollout", "--plan", tmp_path / "plan.json", "--json").json
     assert told["steps"] == by_plan.steps
     assert told["impact"]["time"] == pytest.approx(by_plan.impact.time, rel=1e-9)
+
+
+def test_limits_that_a_hit_tells_are_its_plans_too(run, tmp_path):
+    """An arm that tells no acceleration limits, planned for with those of its hit."""
+    setting = hj.HitSetting(hj.RobotChoice("ur5"), acceleration=12.0)
+    hit = hj.Hit(6, (0.45, 0.25, 0.3), (-0.5, 0.8, 0), 0.9, 0.4, setting=setting)
+    hit.save(tmp_path / "hit.toml")
+    told = run(
+        "hit", tmp_path / "hit.toml", "--out", tmp_path / "out", "--no-simulate", "--json"
+    ).json
+    saved = tmp_path / "out" / "plan.json"
+    plan, robot = hj.load_plan(saved), hj.load_robot("ur5")
+    swung = hj.swing(plan)
+    assert hj.swing(plan, robot).flux == swung.flux == told["swing"]["flux"]
+    assert (swung.limits.acceleration == 12.0).all()
+    by_command = run("swing", "--plan", saved, "--json").json
+    assert (by_command["flux"], by_command["sendable"]) == (swung.flux, True)
+    rolled = hj.rollout(plan)
+    assert hj.rollout(plan, robot).impact.flux == rolled.impact.flux
+    told = run("rollout", "--plan", saved, "--json").json
+    assert told["impact"]["flux"] == pytest.approx(rolled.impact.flux, rel=1e-9)
+    assert run("inspect", "--plan", saved, "--json").code == 0
+    outcome = run("swing", "--plan", saved, "--robot", "panda")
+    assert (outcome.code, "made for ur5" in outcome.err) == (1, True)
