@@ -9,15 +9,13 @@ import numpy as np
 import pinocchio as pin
 
 from hitjoints.quantities import place_joint
-from hitjoints.swings.clear_way import Obstacle, Room, axes_along
+from hitjoints.swings.clear_way import Obstacle, axes_along
 from hitjoints.swings.hit_samples import Samples, draw, folded, joined, measured, spread_out
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from hitjoints.hit import Hit
-    from hitjoints.hitting.drive_limits import DriveLimits
-    from hitjoints.model.robot import Robot
+    from hitjoints.swings.swing_task import SwingTask
     from hitjoints.types import Array
 
 HOLDING = 0.95
@@ -44,11 +42,7 @@ class HitCandidates:
     """Configurations of one arm for one hit.
 
     Args:
-        robot: the arm and the hit.
-        hit: the arm and the hit.
-        limits: of its drives.
-        room: what is around.
-        start: (n,) rad, where the arm is.
+        task: what the swing is asked.
         seed: of the samples.
         first: (n,) rad, a configuration to have before all others.
 
@@ -56,24 +50,16 @@ class HitCandidates:
         InfeasibleError: the object is out of reach.
     """
 
-    def __init__(
-        self,
-        robot: Robot,
-        hit: Hit,
-        limits: DriveLimits,
-        room: Room,
-        start: Array,
-        seed: int,
-        first: Array | None = None,
-    ) -> None:
-        self._robot, self._hit, self._limits, self._room = robot, hit, limits, room
-        self._start, self._rng = start, np.random.default_rng(seed)
+    def __init__(self, task: SwingTask, seed: int, first: Array | None = None) -> None:
+        self._robot, self._hit, self._limits, self._room, self._start = task
+        robot, hit, start = self._robot, self._hit, self._start
+        self._rng = np.random.default_rng(seed)
         self._contact = robot.contact(hit.chosen_contact)
         self._axes = axes_along(hit.direction, hit.yaw)
         drawn = draw(robot, hit, start, seed)
         if first is not None:
             drawn = np.concatenate((folded(robot, first[None], start), drawn))
-        self.samples: Samples = measured(robot, hit, limits, drawn)
+        self.samples: Samples = measured(robot, hit, self._limits, drawn)
         self._seen: dict[int, tuple[Obstacle | None, str]] = {}
 
     @property

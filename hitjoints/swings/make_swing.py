@@ -13,6 +13,7 @@ from hitjoints.planning.plan_record import Plan
 from hitjoints.planning.planner import plan_hit
 from hitjoints.swings.clear_way import Room
 from hitjoints.swings.swing_search import SwingSearch
+from hitjoints.swings.swing_task import SwingTask
 from hitjoints.vectors import number
 
 if TYPE_CHECKING:
@@ -94,7 +95,8 @@ def swing(  # noqa: PLR0913
     start = robot.within_limits(robot.home if how.q0 is None else how.q0, "q0")
     size = np.array(SIZE) if hit.size is None else hit.size
     room = Room(robot, margin, how.table_height, size)
-    return SwingSearch(robot, hit, limits, room, start, dt, how.seed).swing(how.q_hit)
+    task = SwingTask(robot, hit, limits, room, start)
+    return SwingSearch(task, dt, how.seed).swing(how.q_hit)
 
 
 @swing.register(Hit)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from hitjoints.swings.clear_way import Clear, Obstacle, Room
+from hitjoints.swings.clear_way import Clear, Obstacle
 from hitjoints.swings.curves import Joints, Motion, Piece, Standing, Stroke
 from hitjoints.swings.impact_state import StateAtHit, impact_velocity
 from hitjoints.swings.motion_limits import greatest_ratios, torques
@@ -17,10 +17,8 @@ from hitjoints.swings.way_there import way_there
 if TYPE_CHECKING:
     from collections import Counter
 
-    from hitjoints.hit import Hit
-    from hitjoints.hitting.drive_limits import DriveLimits
-    from hitjoints.model.robot import Robot
     from hitjoints.swings.hit_samples import Samples
+    from hitjoints.swings.swing_task import SwingTask
     from hitjoints.types import Array
 
 SLOWEST, TOO_SLOW = 5e-3, "slower than 5 mm/s"
@@ -49,11 +47,7 @@ class StrikeMaker:
     """Makes motions of one arm for one hit.
 
     Args:
-        robot: the arm and the hit.
-        hit: the arm and the hit.
-        limits: of its drives.
-        room: what is around.
-        start: (n,) rad, where the arm is.
+        task: what the swing is asked.
         dt: s, spacing of the samples.
         rng: of what is drawn.
         reasons: counts what is in the way.
@@ -61,18 +55,14 @@ class StrikeMaker:
 
     def __init__(
         self,
-        robot: Robot,
-        hit: Hit,
-        limits: DriveLimits,
-        room: Room,
-        start: Array,
+        task: SwingTask,
         dt: float,
         rng: np.random.Generator,
         reasons: Counter[str],
     ) -> None:
-        self.robot, self.hit, self.limits, self.room = robot, hit, limits, room
-        self.start, self.dt, self.rng, self.reasons = start, dt, rng, reasons
-        self.search = StrokeSearch(robot, hit, limits, room, rng)
+        self.robot, self.hit, self.limits, self.room, self.start = task
+        self.dt, self.rng, self.reasons = dt, rng, reasons
+        self.search = StrokeSearch(self.robot, self.hit, self.limits, self.room, rng)
 
     def strike(
         self, samples: Samples, row: int, flux: float, box: Obstacle | None

@@ -21,10 +21,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-    from hitjoints.hit import Hit
-    from hitjoints.hitting.drive_limits import DriveLimits
-    from hitjoints.model.robot import Robot
-    from hitjoints.swings.clear_way import Room
+    from hitjoints.swings.swing_task import SwingTask
     from hitjoints.types import Array
 
 CANDIDATES, ALL = 40, 120
@@ -51,31 +48,18 @@ class SwingSearch:
     """Searches a swing of one arm for one hit.
 
     Args:
-        robot: the arm and the hit.
-        hit: the arm and the hit.
-        limits: of its drives.
-        room: what is around.
-        start: (n,) rad, where the arm is.
+        task: what is asked.
         dt: s, spacing of the samples.
         seed: of the samples.
     """
 
-    def __init__(
-        self,
-        robot: Robot,
-        hit: Hit,
-        limits: DriveLimits,
-        room: Room,
-        start: Array,
-        dt: float,
-        seed: int,
-    ) -> None:
-        self.robot, self.hit, self.limits, self.room = robot, hit, limits, room
-        self.start, self.dt, self.seed = start, dt, seed
+    def __init__(self, task: SwingTask, dt: float, seed: int) -> None:
+        self.task, self.dt, self.seed = task, dt, seed
+        self.robot, self.hit, self.limits, self.room, self.start = task
         rng = np.random.default_rng(seed)
-        self.contact = robot.contact(hit.chosen_contact)
+        self.contact = self.robot.contact(self.hit.chosen_contact)
         self.reasons: Counter[str] = Counter()
-        self.maker = StrikeMaker(robot, hit, limits, room, start, dt, rng, self.reasons)
+        self.maker = StrikeMaker(task, dt, rng, self.reasons)
         self.notes: list[str] = []
         self.best, self.struck = 0.0, 0
         self.told: set[int] = set()
@@ -88,8 +72,7 @@ class SwingSearch:
         """
         self._check_start()
         first = None if q_hit is None else self._at_object(q_hit)
-        given = self.robot, self.hit, self.limits, self.room, self.start, self.seed
-        among = self.among = HitCandidates(*given, first)
+        among = self.among = HitCandidates(self.task, self.seed, first)
         self._check_run_up()
         wanted, self.best = self.hit.flux, among.greatest
         if not self.best > 0:

@@ -27,6 +27,7 @@ from hitjoints.swings.hit_candidates import HitCandidates
 from hitjoints.swings.hit_samples import draw, folded, measured, spread_out
 from hitjoints.swings.impact_state import StateAtHit, impact_velocity, straightening
 from hitjoints.swings.ramps import least_time, ramp_of
+from hitjoints.swings.swing_task import SwingTask
 from hitjoints.swings.wind_ups import WindUpFamilies
 
 SIZE = np.array([0.1, 0.1, 0.1])
@@ -303,7 +304,7 @@ def test_swerves_leave_the_contacts_path_near_the_impact(arm):
 def test_looking_around_the_best_finds_better_ones(arm):
     robot, hit = arm("iiwa14"), hj.Hit(6, OBJECT, ALONG, 2.0, size=SIZE)
     room = Room(robot, 0.005, None, SIZE)
-    among = HitCandidates(robot, hit, drive_limits(robot), room, robot.home, 0)
+    among = HitCandidates(SwingTask(robot, hit, drive_limits(robot), room, robot.home), 0)
     first = max(f for i, f in enumerate(among.samples.flux) if not among.clear(i)[1])
     best = among.improve()
     assert best >= first
