@@ -11,11 +11,13 @@ from .option_groups import OptionGroup
 from .options import numbers
 
 if TYPE_CHECKING:
+    from hitjoints.impact.drives import Drives
     from hitjoints.model.robot import Contact, Robot
     from hitjoints.swings.swing_record import Swing
 
 MODELS = ("rigid", "rotor", "composite", "elastic")
 CONTACT_TIME, RESTITUTION = 0.01, 0.5
+"""As `Drives` has them; said in the help, which imports nothing of it."""
 
 
 def of_joints(text: str | None) -> Any:
@@ -90,19 +92,21 @@ class ImpactOptions(OptionGroup):
             UnknownNameError: no such model.
             BadParameter: an option that only a model reads.
         """
-        from hitjoints.impact.drives import Drives
-
         if self.impact is None:
             self.check()
             return {}
-        drives = Drives(
-            self.impact,
-            CONTACT_TIME if self.contact_time is None else self.contact_time,
-            RESTITUTION if self.restitution is None else self.restitution,
-            of_joints(self.stiffness),
-            of_joints(self.rotor_inertia),
-        )
-        return {"drives": drives}
+        return {"drives": self._drives(self.impact)}
+
+    def _drives(self, model: str) -> Drives:
+        from hitjoints.impact.drives import Drives
+
+        given = {
+            "contact_time": self.contact_time,
+            "restitution": self.restitution,
+            "stiffness": of_joints(self.stiffness),
+            "rotor_inertia": of_joints(self.rotor_inertia),
+        }
+        return Drives(model, **{name: v for name, v in given.items() if v is not None})
 
     def of(
         self, robot: Robot, q: Any, contact: Contact, direction: Any, mass: float, speed: float
@@ -116,7 +120,7 @@ class ImpactOptions(OptionGroup):
         from hitjoints.impact.inertia_models import INERTIA_MODELS
 
         rotors, stiffness = of_joints(self.rotor_inertia), of_joints(self.stiffness)
-        found: dict[str, Any] = {}
+        drives, found = self._drives("elastic"), dict[str, Any]()
         for name in INERTIA_MODELS:
             if self.impact in (name, "all"):
                 found[name] = hj.impact_inertia(
@@ -128,16 +132,14 @@ class ImpactOptions(OptionGroup):
                     rotor_inertia=rotors,
                 )
         if self.impact in ("elastic", "all"):
-            time = CONTACT_TIME if self.contact_time is None else self.contact_time
-            restitution = RESTITUTION if self.restitution is None else self.restitution
             hit = hj.elastic_impact(
-                robot, q, contact, direction, mass, speed, restitution, time, stiffness,
-                rotor_inertia=rotors,
+                robot, q, contact, direction, mass, speed, drives.restitution,
+                drives.contact_time, stiffness, rotor_inertia=rotors,
             )  # fmt: skip
             found["elastic"] = hit.as_dict() | {
                 "speed": speed,
-                "restitution": restitution,
-                "rigid_contact_time": time,
+                "restitution": drives.restitution,
+                "rigid_contact_time": drives.contact_time,
                 "stiffness_assumed": stiffness is None and robot.joint_stiffness is None,
             }
         return found

@@ -41,10 +41,7 @@ def composite_inertia(robot: Robot, q: Array, contact: Contact, h: Array) -> Arr
     Returns:
         (N,) kg.
     """
-    body = _locked(robot, q)
-    twist = np.cross(body.point(contact) - body.centre, h)
-    spin = np.linalg.solve(body.inertia, twist[:, :, None])[:, :, 0]
-    return np.asarray(1.0 / (1.0 / body.mass + np.einsum("ni,ni->n", twist, spin)))
+    return _locked(robot, q).felt(contact, h)[0]
 
 
 def composite_mobility(robot: Robot, q: Array, contact: Contact) -> Array:
@@ -70,11 +67,7 @@ def composite_inertia_gradient(robot: Robot, q: Array, contact: Contact, h: Arra
         (N, n) kg/rad.
     """
     body, bodies = _locked(robot, q), _bodies(robot)
-    point = body.point(contact)
-    arm = point - body.centre
-    twist = np.cross(arm, h)
-    spin = np.linalg.solve(body.inertia, twist[:, :, None])[:, :, 0]
-    value = 1.0 / (1.0 / body.mass + np.einsum("ni,ni->n", twist, spin))
+    point, (value, spin) = body.point(contact), body.felt(contact, h)
     gradient = np.empty(q.shape)
     lever = body.centres - body.centre
     for k in range(q.shape[1]):
@@ -129,6 +122,12 @@ class Locked(NamedTuple):
         """Return where a contact is, (N, 3) m."""
         at = contact.joint - 1
         return np.asarray(self.places[at] + self.turns[at] @ np.array(contact.offset))
+
+    def felt(self, contact: Contact, h: Array) -> tuple[Array, Array]:
+        """Return the inertia (N,) kg at a contact, and how a unit impulse turns the arm (N, 3)."""
+        twist = np.cross(self.point(contact) - self.centre, h)
+        spin = np.linalg.solve(self.inertia, twist[:, :, None])[:, :, 0]
+        return np.asarray(1.0 / (1.0 / self.mass + np.einsum("ni,ni->n", twist, spin))), spin
 
 
 def _locked(robot: Robot, q: Array) -> Locked:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from hitjoints.errors import UnknownNameError
+from hitjoints.impact.restitution import check_restitution
 from hitjoints.impact.rotor import with_rotors
 from hitjoints.vectors import number
 
@@ -43,7 +44,7 @@ class Drives:
             raise UnknownNameError("impact", self.model, MODELS)
         words = "it is finite and above 0 s"
         number(self.contact_time, "contact_time", words, lambda value: value > 0)
-        number(self.restitution, "restitution", "it lies from 0 to 1", lambda v: 0 <= v <= 1)
+        check_restitution(self.restitution)
         for name in ("stiffness", "rotor_inertia"):
             object.__setattr__(self, name, _plain(getattr(self, name)))
 

@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     from hitjoints.model.robot import Robot
     from hitjoints.rollouts.record import Rollout
 
-ELASTIC_CONTACT = 0.01
-"""s, of a hit on elastic joints: in a shorter one they take no part."""
-
 
 class EngineDrives(NamedTuple):
     """Springs between motors and links, and the motors.
@@ -49,20 +46,15 @@ def engine_drives(
         ModelError: the rotor inertia is not known.
     """
     drives = hit.setting.drives
-    by_hit = elastic is None and drives.model == "elastic"
-    if not (elastic or by_hit):
+    if not (drives.model == "elastic" if elastic is None else elastic):
         if stiffness is not None or rotor_inertia is not None:
             name = "rotor_inertia" if stiffness is None else "stiffness"
             raise InputError(name, "given", "it belongs to elastic joints: ask for them too")
         return EngineDrives(contact_time=contact_time)
-    if by_hit:
-        stiffness = drives.stiffness if stiffness is None else stiffness
-        rotor_inertia = drives.rotor_inertia if rotor_inertia is None else rotor_inertia
-    if contact_time is None:
-        contact_time = drives.contact_time if by_hit else ELASTIC_CONTACT
-    rotors = known_rotors(robot, rotor_inertia)
-    springs = known_stiffness(robot, stiffness)
-    return EngineDrives(tuple(springs.tolist()), tuple(rotors.tolist()), contact_time)
+    rotors = known_rotors(robot, drives.rotor_inertia if rotor_inertia is None else rotor_inertia)
+    springs = known_stiffness(robot, drives.stiffness if stiffness is None else stiffness)
+    lasting = drives.contact_time if contact_time is None else contact_time
+    return EngineDrives(tuple(springs.tolist()), tuple(rotors.tolist()), lasting)
 
 
 def with_rotors_of(hit: Hit, motion: Rollout) -> Rollout:
