@@ -126,7 +126,7 @@ class Locked(NamedTuple):
     def felt(self, contact: Contact, h: Array) -> tuple[Array, Array]:
         """Return the inertia (N,) kg at a contact, and how a unit impulse turns the arm (N, 3)."""
         twist = np.cross(self.point(contact) - self.centre, h)
-        spin = np.linalg.solve(self.inertia, twist[:, :, None])[:, :, 0]
+        spin: Array = np.asarray(np.linalg.solve(self.inertia, twist[:, :, None])[:, :, 0])
         return np.asarray(1.0 / (1.0 / self.mass + np.einsum("ni,ni->n", twist, spin))), spin
 
 
