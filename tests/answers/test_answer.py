@@ -1,6 +1,7 @@
 """From a wish to a verdict, and back: what is promised can be had."""
 
 import json
+import re
 import sys
 
 import numpy as np
@@ -156,3 +157,17 @@ def test_outputs_that_cannot_be_written_are_refused_first(run, tmp_path):
         outcome = run("hit", path, "--out", out)
         assert outcome.code == 1
         assert words in outcome.err
+
+
+def test_a_turned_box_is_compared_by_the_law_of_boxes(run, tmp_path):
+    """Eq. 3 alone would be off by the share that goes into its spin."""
+    pytest.importorskip("mujoco")
+    hit = hj.Hit(
+        7, (0.5, 0.2, 0.4), mass=1.0, goal=(0.5, 0.4, 0.4), restitution=0.5, friction=0.3,
+        size=(0.12, 0.1, 0.08), yaw=0.15, setting=hj.HitSetting(hj.RobotChoice("iiwa14")),
+    )  # fmt: skip
+    hit.save(tmp_path / "hit.toml")
+    told = run("hit", tmp_path / "hit.toml", "--json").json["simulated"]
+    assert told["errors"]["object_speed"] < -0.02
+    (off,) = re.findall(r"object speed .* m/s \((\S+) %\)", run("hit", tmp_path / "hit.toml").out)
+    assert abs(float(off)) < 0.5
